@@ -1,0 +1,34 @@
+# The two commands of LaserBot Battle. Both install and build what is missing first.
+.PHONY: help demo test lint bench setup clean
+
+help:
+	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser'
+	@echo 'make test                      every test there is'
+	@echo 'make lint                      style and types of the sources'
+	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
+	@echo 'make clean                     removes what was built (not the Debian packages)'
+
+ROBOTS ?= 2
+BOTS ?= 1
+
+demo:
+	@ci/setup run
+	@exec ci/demo --robots '$(ROBOTS)' --bots '$(BOTS)'
+
+test:
+	@ci/setup test
+	@exec ci/test
+
+lint:
+	@ci/setup test
+	@exec ci/lint
+
+bench:
+	@ci/setup test
+	@exec ci/bench
+
+setup:
+	@ci/setup test
+
+clean:
+	rm -rf build .venv node_modules server/static/bundle

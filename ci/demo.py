@@ -1,0 +1,261 @@
+"""A whole battle on one machine: starts it, waits until all are ready, says where to play, stops it on Ctrl-C.
+
+roslaunch is the process manager of the battle (laser_bot_battle/launch/demo.launch); this program looks after what
+roslaunch does not: ports in use, being ready, plain words for people, and that nothing is left behind.
+"""
+
+import argparse
+import ctypes
+import http.client
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from types import FrameType
+
+ROOT = Path(__file__).resolve().parent.parent
+HOST = "127.0.0.1"
+READY_WITHIN = 90.0  # s; a slow machine needs 20
+STOP_WITHIN = 20.0  # s; roslaunch itself gives its nodes 15 s before it gets rough
+MOST_ROBOTS = 8  # start places on the arena's floor
+
+PR_SET_PDEATHSIG = 1
+PR_SET_CHILD_SUBREAPER = 36
+
+PORTS = {
+    "LASERBOT_WEB_PORT": (5000, "the game"),
+    "LASERBOT_ROSBRIDGE_PORT": (9090, "rosbridge"),
+    "LASERBOT_ROS_PORT": (11311, "the ROS master"),
+    "LASERBOT_ARENA_PORT": (8080, "the arena's view"),
+    "LASERBOT_ARENA_LINK_PORT": (8081, "the robots' link to the arena"),
+}
+
+
+class DemoError(Exception):
+    """The demo cannot go on; the message says why and what to do."""
+
+
+class Stopped(Exception):
+    """The user wants to stop (Ctrl-C, SIGTERM, closed terminal)."""
+
+
+def read_ports() -> dict[str, int]:
+    """The port of each part by its variable. Raises DemoError on a bad, doubled or used one."""
+    ports: dict[str, int] = {}
+    for variable, (default, what) in PORTS.items():
+        text = os.environ.get(variable, str(default))
+        if not (text.isascii() and text.isdigit() and 0 < int(text) < 65536):
+            raise DemoError(f"{variable}={text!r} is no port number. Choose one from 1 to 65535.")
+        port = int(text)
+        for other, taken in ports.items():
+            if port == taken:
+                raise DemoError(f"{other} and {variable} are both {port}. Choose two ports.")
+        ports[variable] = port
+        with socket.socket() as probe:
+            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            try:
+                probe.bind((HOST, port))
+            except OSError as error:
+                raise DemoError(
+                    f"port {port} ({what}) cannot be used: {error.strerror}. "
+                    f"Stop the program that uses it, or choose another port: {variable}={port + 1} make demo"
+                ) from None
+    return ports
+
+
+def request(port: int, method: str, path: str, timeout: float = 1.0) -> str | None:
+    """The body of an answer 200 from HOST:port, None when there is none yet."""
+    connection = http.client.HTTPConnection(HOST, port, timeout=timeout)
+    try:
+        connection.request(method, path, body="", headers={"Content-Type": "application/x-www-form-urlencoded"})
+        response = connection.getresponse()
+        body = response.read().decode()
+        return body if response.status == 200 else None
+    except (OSError, http.client.HTTPException):
+        return None
+    finally:
+        connection.close()
+
+
+class Battle:
+    """The running demo: roslaunch and all that it started."""
+
+    def __init__(self, robots: int, bots: int, ports: dict[str, int], folder: Path) -> None:
+        self.robots, self.bots, self.ports = robots, bots, ports
+        # the number painted on each virtual robot is its ID, as an operator's roster would have it
+        data = folder / "data"
+        data.mkdir()
+        roster = {f"/id_service_client_virtual{number}": number for number in range(robots)}
+        (data / "robots.json").write_text(json.dumps(roster))
+        for number in range(robots):
+            (folder / f"virtual{number}").mkdir()
+        environment = {
+            "LASERBOT_BIND": HOST,
+            **os.environ,
+            **{variable: str(port) for variable, port in ports.items()},
+            "LASERBOT_DATA": str(data),
+            "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ.get('PATH', os.defpath)}",
+            "ROS_PACKAGE_PATH": str(ROOT),
+            "ROS_IP": HOST,
+            "ROS_MASTER_URI": f"http://{HOST}:{ports['LASERBOT_ROS_PORT']}",
+            "ROS_HOME": str(folder / "ros"),
+            "ROS_LOG_DIR": str(folder / "ros" / "log"),
+            "PYTHONUNBUFFERED": "1",
+        }
+        environment.pop("ROS_HOSTNAME", None)
+        # one per web port: two battles may run in one folder
+        self.log = ROOT / "build" / f"demo-{ports['LASERBOT_WEB_PORT']}.log"
+        self.log.parent.mkdir(exist_ok=True)
+        with self.log.open("wb") as log:
+            self.roslaunch = subprocess.Popen(
+                ["/usr/bin/python3", "/usr/bin/roslaunch", "--port", str(ports["LASERBOT_ROS_PORT"]),
+                 "laser_bot_battle", "demo.launch", f"robots:={robots}", f"bots:={bots}", f"run_dir:={folder}"],
+                env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                # Ctrl-C reaches this program only, which then stops the rest in order
+                start_new_session=True, preexec_fn=die_with_parent,
+            )
+
+    def check_running(self) -> None:
+        if self.roslaunch.poll() is not None:
+            tail = self.log.read_text(errors="replace").splitlines()[-15:]
+            raise DemoError("\n  ".join([f"the battle ended by itself. The end of {self.log}:", *tail]))
+
+    def steps(self) -> dict[str, bool]:
+        """What must be there before anyone can play, and whether it is, in the order in which it comes up."""
+        web = request(self.ports["LASERBOT_WEB_PORT"], "GET", "/") is not None
+        status = request(self.ports["LASERBOT_WEB_PORT"], "POST", "/updateGameStatus") if web else None
+        players = json.loads(json.loads(status)["users"]) if status else []
+        free = request(self.ports["LASERBOT_WEB_PORT"], "POST", "/getAvailableRobots") if web else None
+        robots = len(players) + (json.loads(free)["availableR"] if free else 0)
+        steps = {
+            "web server": web,
+            "rosbridge": listening(self.ports["LASERBOT_ROSBRIDGE_PORT"]),
+            "arena": request(self.ports["LASERBOT_ARENA_PORT"], "GET", "/") is not None,
+            f"{self.robots} virtual robots": robots >= self.robots,
+        }
+        if self.bots:
+            steps[f"{self.bots} bot" + "s" * (self.bots > 1)] = len(players) >= self.bots
+        return steps
+
+    def wait_until_ready(self) -> None:
+        """Say what has come up as it does. Raises DemoError when something does not in time."""
+        deadline = time.monotonic() + READY_WITHIN
+        seen: set[str] = set()
+        while True:
+            self.check_running()
+            steps = self.steps()
+            for step, up in steps.items():
+                if up and step not in seen:
+                    seen.add(step)
+                    say(f"  ready: {step}")
+            if all(steps.values()):
+                return
+            if time.monotonic() > deadline:
+                late = ", ".join(step for step, up in steps.items() if not up)
+                raise DemoError(f"not ready after {READY_WITHIN:.0f} s: {late}. {self.log} says more.")
+            time.sleep(0.1)
+
+    def wait(self) -> None:
+        """Until the battle ends by itself, which it should not."""
+        while True:
+            self.check_running()
+            time.sleep(0.5)
+
+    def stop(self) -> None:
+        """End roslaunch and its nodes, and make sure that no process is left."""
+        if self.roslaunch.poll() is None:
+            self.roslaunch.send_signal(signal.SIGINT)
+        deadline = time.monotonic() + STOP_WITHIN
+        while children() and time.monotonic() < deadline:
+            reap()
+            time.sleep(0.02)
+        for pid in children():
+            os.kill(pid, signal.SIGKILL)
+        while children():
+            reap()
+            time.sleep(0.02)
+
+
+def listening(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex((HOST, port)) == 0
+
+
+def die_with_parent() -> None:
+    """In the child: have the kernel send SIGINT when this program dies, even by SIGKILL."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
+
+
+def children() -> list[int]:
+    """Direct children, those inherited from children that died among them (we are their subreaper)."""
+    return [int(pid) for pid in Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()]
+
+
+def reap() -> None:
+    """Collect the exit codes of ended children."""
+    try:
+        while os.waitpid(-1, os.WNOHANG)[0]:
+            pass
+    except ChildProcessError:
+        pass
+
+
+def say(text: str) -> None:
+    print(text, flush=True)
+
+
+def count(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) <= MOST_ROBOTS):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to {MOST_ROBOTS}")
+    return int(text)
+
+
+def on_signal(signum: int, frame: FrameType | None) -> None:
+    raise Stopped
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description="A whole battle on this machine, until Ctrl-C.")
+    parser.add_argument("--robots", type=count, default=2, help="virtual robots, each the real firmware (default 2)")
+    parser.add_argument("--bots", type=count, default=1, help="robots that a program plays (default 1)")
+    options = parser.parse_args()
+    if options.bots > options.robots:
+        parser.error(f"{options.bots} bots need {options.bots} robots, there are {options.robots}")
+    for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(signum, on_signal)
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
+    battle = None
+    with tempfile.TemporaryDirectory(prefix="laserbot-") as folder:
+        try:
+            ports = read_ports()
+            say(f"Starting the battle: {options.robots} robots, {options.bots} of them played by a bot ...")
+            battle = Battle(options.robots, options.bots, ports, Path(folder))
+            battle.wait_until_ready()
+            say(
+                f"\nReady. Open\n"
+                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game (a second person: another browser or a private window)\n"
+                f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
+                f"Ctrl-C stops everything. What the parts say: {battle.log}"
+            )
+            battle.wait()
+        except Stopped:
+            say("\nStopping ...")
+        except DemoError as error:
+            print(f"make demo: {error}", file=sys.stderr)
+            return 1
+        finally:
+            for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+                signal.signal(signum, signal.SIG_IGN)
+            if battle:
+                battle.stop()
+    say("Stopped.")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
