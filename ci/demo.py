@@ -40,7 +40,7 @@ class DemoError(Exception):
     """The demo cannot go on; the message says why and what to do."""
 
 
-class Stopped(Exception):
+class Interrupted(Exception):  # noqa: N818 - not an error
     """The user wants to stop (Ctrl-C, SIGTERM, closed terminal)."""
 
 
@@ -68,14 +68,13 @@ def read_ports() -> dict[str, int]:
     return ports
 
 
-def request(port: int, method: str, path: str, timeout: float = 1.0) -> str | None:
-    """The body of an answer 200 from HOST:port, None when there is none yet."""
+def request(port: int, method: str, path: str, timeout: float = 1.0) -> tuple[int, str] | None:
+    """The status code and the body of the answer from HOST:port, None when nobody answers yet."""
     connection = http.client.HTTPConnection(HOST, port, timeout=timeout)
     try:
-        connection.request(method, path, body="", headers={"Content-Type": "application/x-www-form-urlencoded"})
+        connection.request(method, path)
         response = connection.getresponse()
-        body = response.read().decode()
-        return body if response.status == 200 else None
+        return response.status, response.read().decode()
     except (OSError, http.client.HTTPException):
         return None
     finally:
@@ -113,11 +112,24 @@ class Battle:
         self.log.parent.mkdir(exist_ok=True)
         with self.log.open("wb") as log:
             self.roslaunch = subprocess.Popen(
-                ["/usr/bin/python3", "/usr/bin/roslaunch", "--port", str(ports["LASERBOT_ROS_PORT"]),
-                 "laser_bot_battle", "demo.launch", f"robots:={robots}", f"bots:={bots}", f"run_dir:={folder}"],
-                env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=subprocess.STDOUT,
+                [
+                    "/usr/bin/python3",
+                    "/usr/bin/roslaunch",
+                    "--port",
+                    str(ports["LASERBOT_ROS_PORT"]),
+                    "laser_bot_battle",
+                    "demo.launch",
+                    f"robots:={robots}",
+                    f"bots:={bots}",
+                    f"run_dir:={folder}",
+                ],
+                env=environment,
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
                 # Ctrl-C reaches this program only, which then stops the rest in order
-                start_new_session=True, preexec_fn=die_with_parent,
+                start_new_session=True,
+                preexec_fn=die_with_parent,  # noqa: PLW1509 - this program has one thread
             )
 
     def check_running(self) -> None:
@@ -127,15 +139,18 @@ class Battle:
 
     def steps(self) -> dict[str, bool]:
         """What must be there before anyone can play, and whether it is, in the order in which it comes up."""
-        web = request(self.ports["LASERBOT_WEB_PORT"], "GET", "/") is not None
-        status = request(self.ports["LASERBOT_WEB_PORT"], "POST", "/updateGameStatus") if web else None
-        players = json.loads(json.loads(status)["users"]) if status else []
-        free = request(self.ports["LASERBOT_WEB_PORT"], "POST", "/getAvailableRobots") if web else None
-        robots = len(players) + (json.loads(free)["availableR"] if free else 0)
+        web_port = self.ports["LASERBOT_WEB_PORT"]
+        page = request(web_port, "GET", "/")
+        status = request(web_port, "POST", "/updateGameStatus")
+        players = json.loads(json.loads(status[1])["users"]) if status else []
+        free = request(web_port, "POST", "/getAvailableRobots")
+        robots = len(players) + (json.loads(free[1])["availableR"] if free else 0)
+        arena = request(self.ports["LASERBOT_ARENA_PORT"], "GET", "/")
         steps = {
-            "web server": web,
-            "rosbridge": listening(self.ports["LASERBOT_ROSBRIDGE_PORT"]),
-            "arena": request(self.ports["LASERBOT_ARENA_PORT"], "GET", "/") is not None,
+            "web server": page is not None and page[0] == 200,
+            # a WebSocket server answers plain HTTP too: 426 Upgrade Required
+            "rosbridge": request(self.ports["LASERBOT_ROSBRIDGE_PORT"], "GET", "/") is not None,
+            "arena": arena is not None and arena[0] == 200,
             f"{self.robots} virtual robots": robots >= self.robots,
         }
         if self.bots:
@@ -181,11 +196,6 @@ class Battle:
             time.sleep(0.02)
 
 
-def listening(port: int) -> bool:
-    with socket.socket() as probe:
-        return probe.connect_ex((HOST, port)) == 0
-
-
 def die_with_parent() -> None:
     """In the child: have the kernel send SIGINT when this program dies, even by SIGKILL."""
     ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
@@ -216,7 +226,7 @@ def count(text: str) -> int:
 
 
 def on_signal(signum: int, frame: FrameType | None) -> None:
-    raise Stopped
+    raise Interrupted
 
 
 def main() -> int:
@@ -238,12 +248,13 @@ def main() -> int:
             battle.wait_until_ready()
             say(
                 f"\nReady. Open\n"
-                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game (a second person: another browser or a private window)\n"
+                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game "
+                f"(a second person: another browser or a private window)\n"
                 f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
                 f"Ctrl-C stops everything. What the parts say: {battle.log}"
             )
             battle.wait()
-        except Stopped:
+        except Interrupted:
             say("\nStopping ...")
         except DemoError as error:
             print(f"make demo: {error}", file=sys.stderr)

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
 from laser_bot_battle.srv import AddNewRobot
-
 from tests.support.programs import ROOT
 
 
@@ -26,7 +25,10 @@ def test_catkin_make_builds_the_same_messages(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "laser_bot_battle", tmp_path / "src" / "laser_bot_battle")
     built = subprocess.run(
         ["catkin_make", "-C", str(tmp_path), "-DPYTHON_EXECUTABLE=/usr/bin/python3"],
-        capture_output=True, text=True, timeout=120, check=False,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
     )
     assert built.returncode == 0, built.stdout + built.stderr
     script = (
@@ -35,7 +37,11 @@ def test_catkin_make_builds_the_same_messages(tmp_path: Path) -> None:
     )
     printed = subprocess.run(
         ["sh", "-c", '. devel/setup.sh && exec /usr/bin/python3 -c "$0"', script],
-        cwd=tmp_path, capture_output=True, text=True, timeout=30, check=True,
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=True,
     ).stdout.split()
     assert printed == [message._md5sum for message in (Robot_msg, UserStatus, GameStatus, AddNewRobot)]
     assert (tmp_path / "devel" / "include" / "laser_bot_battle" / "Robot_msg.h").exists()

@@ -1,0 +1,1 @@
+"""Everything that runs on a robot's Raspberry Pi; virtual robots run the same code unchanged."""

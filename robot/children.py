@@ -1,0 +1,96 @@
+"""The programs that the supervisor starts: the serial node, and the one that asks for an ID.
+
+Each is in a process group of its own, so that Ctrl-C reaches the supervisor only, which ends them in order.
+"""
+
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+
+POLL = 0.05  # s
+ANSWER_TIMEOUT = 10.0  # s for the ID; starting rospy on a small Raspberry Pi takes 2 s of it
+STOP_TIMEOUT = 1.0  # s
+
+
+class RegistrationError(Exception):
+    """The server gave no ID; the text says why."""
+
+
+class SerialNode:
+    """`python3 -m robot.serial_node` as the ROS node Robot<ID>; a context manager that ends it."""
+
+    def __init__(self, device: str, robot_id: int) -> None:
+        name = f"Robot{robot_id}"
+        self._process = subprocess.Popen(
+            [
+                sys.executable,
+                "-m",
+                "robot.serial_node",
+                device,
+                "--end-with-stdin",
+                f"__name:={name}",
+                f"command:={name}/command",
+                f"response:={name}/response",
+            ],
+            stdin=subprocess.PIPE,
+            process_group=0,
+        )
+
+    def __enter__(self) -> "SerialNode":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        stop(self._process)
+
+    @property
+    def exit_code(self) -> int | None:
+        """None while it runs, negative if a signal ended it."""
+        return self._process.poll()
+
+
+def register(wanted: Callable[[], bool]) -> int:
+    """Ask the server for this robot's ID; RegistrationError says why there is none.
+
+    Gives up as soon as `wanted` says no.
+    """
+    process = subprocess.Popen(
+        [sys.executable, "-m", "robot.register"],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        process_group=0,
+    )
+    try:
+        deadline = time.monotonic() + ANSWER_TIMEOUT
+        while process.poll() is None:
+            if not wanted():
+                raise RegistrationError("not needed any more")
+            if time.monotonic() > deadline:
+                raise RegistrationError(f"no answer from the ROS master or the server within {ANSWER_TIMEOUT:g} s")
+            time.sleep(POLL)
+        answer, errors = process.communicate()
+    finally:
+        stop(process)
+    if process.returncode != 0:
+        lines = errors.strip().splitlines()
+        raise RegistrationError(lines[-1] if lines else f"robot.register ended with exit code {process.returncode}")
+    robot_id = int(answer)
+    if robot_id < 0:
+        raise RegistrationError(f"the server answered with the ID {robot_id}")
+    return robot_id
+
+
+def stop(process: "subprocess.Popen[str] | subprocess.Popen[bytes]") -> None:
+    """End a child: politely, then by force."""
+    if process.poll() is None:
+        process.terminate()
+        try:
+            process.wait(STOP_TIMEOUT)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    for stream in (process.stdin, process.stdout, process.stderr):
+        if stream is not None:
+            stream.close()

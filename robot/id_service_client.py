@@ -1,0 +1,104 @@
+"""The robot's main program: finds the Arduino, gets an ID from the server, and keeps the robot in the battle.
+
+    python3 -m robot.id_service_client
+
+The Arduino is asked first, so that the server never offers players a robot that cannot move. Then the pings and the
+serial node Robot<ID> run until the serial node ends. Whatever fails is said in one line and tried again, for ever.
+SIGINT and SIGTERM end everything.
+"""
+
+import argparse
+import logging
+import os
+import signal
+import sys
+import time
+
+from robot.installed import missing_explained, require
+
+with missing_explained():
+    from robot.children import RegistrationError, SerialNode, register
+    from robot.ping_thread import PingThread
+    from robot.serial_port import PortError, probe
+    from robot.settings import Settings
+
+require(
+    "rospy", "rosgraph", "genpy", "std_msgs", "laser_bot_battle.msg._Robot_msg"
+)  # for the programs that this one starts
+
+POLL = 0.1  # s
+
+log = logging.getLogger("robot.id_service_client")
+
+
+class ArduinoLostError(Exception):
+    """There is no working Arduino; the text says why."""
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        prog="robot.id_service_client", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    # roslaunch adds ROS arguments such as __name:=...
+    parser.parse_args([word for word in sys.argv[1:] if ":=" not in word])
+    settings = Settings.load(os.environ)
+    for number in (signal.SIGINT, signal.SIGTERM):  # a shell starts background programs with SIGINT ignored
+        signal.signal(number, signal.default_int_handler)
+    try:
+        while True:
+            log.info("Starting service client ...")
+            try:
+                attend(settings)
+            except (ArduinoLostError, PortError, RegistrationError) as error:
+                log.error("%s (again in %g s)", error, settings.retry)
+            time.sleep(settings.retry)
+    except KeyboardInterrupt:
+        log.info("ends")
+    return 0
+
+
+def attend(settings: Settings) -> None:
+    """One life of the robot, from finding the Arduino to losing it; always ends with an exception that says why."""
+    device = find_arduino(settings.devices)
+    log.info("asking the Arduino at %s", device)
+    probe(device)
+    robot_id = register(wanted=lambda: True)
+    while True:
+        log.info("New robot ID = %d", robot_id)
+        with PingThread(settings.alive_url, robot_id) as pings, SerialNode(device, robot_id) as node:
+            robot_id = keep(robot_id, node, pings, settings.retry)
+
+
+def find_arduino(devices: tuple[str, ...]) -> str:
+    """The first device that is there; a URL is taken to be."""
+    for device in devices:
+        if "://" in device or os.path.exists(device):
+            return device
+    raise ArduinoLostError(f"No attached ARDUINO found: looked for {', '.join(devices)}")
+
+
+def keep(robot_id: int, node: SerialNode, pings: PingThread, retry: float) -> int:
+    """Watch a working robot, register it again when the server forgets it; returns its ID when that has changed.
+
+    ArduinoLostError when the serial node ends.
+    """
+    register_at = 0.0
+    while node.exit_code is None:
+        if pings.unknown.is_set() and time.monotonic() >= register_at:
+            log.warning("the server does not know robot %d (any more): registering again", robot_id)
+            register_at = time.monotonic() + retry
+            try:
+                new_id = register(wanted=lambda: node.exit_code is None)
+            except RegistrationError as error:
+                log.error("%s (again in %g s)", error, retry)
+                continue
+            if new_id != robot_id:
+                return new_id
+            log.info("still robot %d", robot_id)
+            pings.unknown.clear()
+        time.sleep(POLL)
+    raise ArduinoLostError(f"Connection to Arduino lost: the serial node ended with exit code {node.exit_code}")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,71 @@
+"""Tells the web server every 0.4 s that this robot is alive (manual: pingThread; behaviour of POST /incAlive)."""
+
+import logging
+import threading
+import time
+
+import requests
+
+PERIOD = 0.4  # s
+TIMEOUT = 1.0  # s for the connection, and again for the answer
+
+log = logging.getLogger("robot.ping_thread")
+
+
+class PingThread(threading.Thread):
+    """Pings from start() to stop(), whatever the server does; a context manager does both."""
+
+    def __init__(self, url: str, robot_id: int) -> None:
+        super().__init__(name="pings", daemon=True)
+        self.unknown = threading.Event()  # set when the server says that it does not know this robot
+        self._url = url
+        self._robot_id = robot_id
+        self._end = threading.Event()
+        self._reachable = True
+
+    def __enter__(self) -> "PingThread":
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def stop(self) -> None:
+        """No ping is sent after this; one on its way is not waited for."""
+        self._end.set()
+
+    def run(self) -> None:
+        log.info("pingThread starts: robot %d at %s", self._robot_id, self._url)
+        with requests.Session() as session:
+            session.trust_env = False  # the server is in the LAN: no proxy, no .netrc
+            due = time.monotonic()
+            while not self._end.wait(max(0.0, due - time.monotonic())):
+                due = max(due + PERIOD, time.monotonic())  # pings missed in an outage are not made up for
+                self._ping(session)
+        log.info("pingThread ends: robot %d", self._robot_id)
+
+    def _ping(self, session: requests.Session) -> None:
+        try:
+            answer = session.post(self._url, data={"ID": self._robot_id}, timeout=TIMEOUT, allow_redirects=False)
+            if answer.status_code != requests.codes.ok:
+                raise ValueError(f"HTTP status {answer.status_code}")
+            status = answer.json()["status"]
+            if status not in ("OK", "ERROR"):
+                raise ValueError(f"unknown status {status!r}")
+        except (requests.RequestException, ValueError, KeyError, TypeError) as error:
+            self._outage(f"{error}")
+        except Exception as error:  # this thread is the robot's sign of life: nothing may end it silently
+            log.exception("ping failed in an unforeseen way")
+            self._outage(f"{error!r}")
+        else:
+            if not self._reachable:
+                log.info("webserver answers again")
+            self._reachable = True
+            if status == "ERROR":
+                self.unknown.set()
+
+    def _outage(self, reason: str) -> None:
+        """Logged once per outage, not per ping."""
+        if self._reachable and not self._end.is_set():
+            log.warning("Connection to webserver lost, trying on: %s", reason)
+        self._reachable = False

@@ -1,0 +1,36 @@
+"""Asks the server for this robot's ID and prints it: `python3 -m robot.register`.
+
+A process of its own for each question, because rospy cannot be given a time-out. Ends with exit code 1 and one line on
+stderr when there is no ID.
+"""
+
+import os
+import sys
+
+from robot.installed import missing_explained
+
+with missing_explained():
+    import rospy
+
+    from laser_bot_battle.srv import AddNewRobot
+    from robot.ros_environment import ros_environment
+    from robot.settings import Settings
+
+SERVICE = "/add_new_robot"
+
+
+def main() -> int:
+    settings = Settings.load(os.environ)
+    try:
+        os.environ.update(ros_environment(os.environ, settings.ros_master_uri))
+        # the request is empty: the server knows a robot by the caller's name in the connection header
+        add_new_robot = rospy.ServiceProxy(SERVICE, AddNewRobot, headers={"callerid": settings.caller_id})
+        print(add_new_robot().ID)
+    except (OSError, rospy.ROSException, rospy.ServiceException) as error:
+        print(f"Service call failed: {error} (ROS master {settings.ros_master_uri})", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

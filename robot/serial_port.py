@@ -1,0 +1,105 @@
+"""The serial port of the Arduino: a device path, or a pyserial URL such as socket://host:port."""
+
+import contextlib
+import select
+import socket
+import termios
+import time
+
+import serial
+
+from robot.rosserial.session import Lost, Send, Session
+
+BAUDRATE = 57600
+WRITE_TIMEOUT = 1.0  # s
+
+
+class PortError(Exception):
+    """The port cannot be opened, or was lost; the text says why."""
+
+
+class SerialPort:
+    """An open port; a context manager."""
+
+    def __init__(self, device: str) -> None:
+        """Opens the port for us alone; PortError says why not."""
+        self.device = device
+        try:
+            self._port = serial.serial_for_url(
+                device, baudrate=BAUDRATE, timeout=0, write_timeout=WRITE_TIMEOUT, exclusive=True
+            )
+        except (OSError, ValueError, TypeError) as error:  # pyserial lets all of them out for a bad URL
+            raise PortError(f"cannot open {device}: {error}") from None
+        self._is_terminal = hasattr(self._port, "fd")
+        if not self._is_terminal:
+            _send_at_once(self._port.fileno())
+
+    def __enter__(self) -> "SerialPort":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        with contextlib.suppress(OSError, termios.error):  # an unplugged device cannot even be closed properly
+            self._port.close()
+
+    def fileno(self) -> int:
+        """For select."""
+        return int(self._port.fileno())
+
+    def read(self) -> bytes:
+        """What has come, perhaps nothing; PortError when the port is gone."""
+        try:
+            return bytes(self._port.read(4096))
+        except (OSError, termios.error) as error:
+            raise PortError(f"{self.device} is gone: {error}") from None
+
+    def write(self, data: bytes) -> None:
+        """PortError when the port is gone or takes nothing for 1 s."""
+        try:
+            self._port.write(data)
+        except (OSError, termios.error) as error:
+            raise PortError(f"cannot write to {self.device}: {error}") from None
+
+    def reset_on_open(self, reset: bool) -> None:
+        """Whether closing the port now lets the next opening reset an Arduino.
+
+        Its reset line follows DTR, which the kernel drops at the last close only while HUPCL is set.
+        """
+        if not self._is_terminal:
+            return
+        try:
+            attributes = termios.tcgetattr(self.fileno())
+            attributes[2] = attributes[2] | termios.HUPCL if reset else attributes[2] & ~termios.HUPCL
+            termios.tcsetattr(self.fileno(), termios.TCSANOW, attributes)
+        except termios.error as error:
+            raise PortError(f"{self.device} is gone: {error}") from None
+
+
+def _send_at_once(fileno: int) -> None:
+    """Switch off Nagle's algorithm, which would hold back a command until the last one is acknowledged."""
+    with socket.socket(fileno=socket.dup(fileno)) as same:
+        same.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+
+
+def probe(device: str) -> None:
+    """Return when a rosserial device has answered on the port; PortError says why not.
+
+    An Arduino that has just been reset by the opening needs some seconds. Once it has answered, the next opening
+    does not reset it again: a robot that is offered to players can move at once.
+    """
+    with SerialPort(device) as port:
+        port.reset_on_open(True)
+        session = Session(time.monotonic())
+        while not session.answered:
+            ready, _, _ = select.select([port], [], [], 0.1)
+            data = port.read() if ready else b""
+            events = session.receive(data, time.monotonic(), time.time())
+            events += session.tick(time.monotonic(), time.time())
+            for event in events:
+                if isinstance(event, Send):
+                    port.write(event.data)
+                elif isinstance(event, Lost):
+                    raise PortError(f"{device}: {event.reason}")
+        port.reset_on_open(False)

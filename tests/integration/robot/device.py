@@ -1,0 +1,89 @@
+"""A rosserial device on a pseudo-terminal: what a sketch does on the wire, with every byte recorded."""
+
+import os
+import pty
+import struct
+import threading
+import tty
+from pathlib import Path
+from typing import Self
+
+from robot.rosserial.frame import Decoder, Frame, encode
+from robot.rosserial.topic_info import TopicInfo
+
+ROBOT_MSG = ("laser_bot_battle/Robot_msg", "aa81278360e1bdd1ffce0a4efe0ae199")
+EMPTY = ("std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e")
+
+COMMAND = TopicInfo(100, "command", *ROBOT_MSG, 280)
+RESPONSE = TopicInfo(125, "response", *EMPTY, 280)
+
+TOPIC_REQUEST = bytes.fromhex("ff fe 00 00 ff 00 00 ff")
+STOP_SENDING = bytes.fromhex("ff fe 00 00 ff 0b 00 f4")
+
+
+class Device:
+    """Answers topic requests with its topics while `answers` is true; a context manager."""
+
+    def __init__(
+        self,
+        path: Path,
+        subscribers: tuple[TopicInfo, ...] = (COMMAND,),
+        publishers: tuple[TopicInfo, ...] = (RESPONSE,),
+    ) -> None:
+        self.path = str(path)
+        self.answers = True
+        self.received = bytearray()
+        self.frames: list[Frame] = []
+        self.topic_requests = 0
+        self._subscribers = subscribers
+        self._publishers = publishers
+        self._master, self._slave = pty.openpty()
+        tty.setraw(self._slave)
+        path.symlink_to(os.ttyname(self._slave))
+        self._thread = threading.Thread(target=self._run, name="device")
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.unplug()
+
+    def send(self, data: bytes) -> None:
+        os.write(self._master, data)
+
+    def commands(self) -> list[bytes]:
+        """The payloads that came for topic 100, in order."""
+        return [frame.payload for frame in self.frames if frame.topic_id == COMMAND.topic_id]
+
+    def unplug(self) -> None:
+        """The device vanishes, as by pulling the cable."""
+        if self._thread.is_alive():
+            self.answers = False
+            slave = os.open(self.path, os.O_RDWR | os.O_NOCTTY)  # so that the thread's read ends
+            tty.setraw(slave)
+            os.write(slave, b"\0bye\0")
+            self._thread.join()
+            os.close(slave)
+            os.close(self._slave)
+            os.close(self._master)
+            os.unlink(self.path)
+
+    def _run(self) -> None:
+        decoder = Decoder()
+        while not self.received.endswith(b"\0bye\0"):
+            data = os.read(self._master, 4096)
+            self.received += data
+            for frame in decoder.feed(data, 0.0):
+                self.frames.append(frame)
+                if frame == Frame(0, b""):
+                    self.topic_requests += 1
+                    if self.answers:
+                        self._tell_topics()
+
+    def _tell_topics(self) -> None:
+        """As ros_lib does: the time is asked for first, then the publishers and the subscribers are told."""
+        answer = encode(10, struct.pack("<II", 0, 0))
+        answer += b"".join(encode(0, info.encode()) for info in self._publishers)
+        answer += b"".join(encode(1, info.encode()) for info in self._subscribers)
+        self.send(answer)

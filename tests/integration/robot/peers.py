@@ -1,0 +1,59 @@
+"""ROS nodes for the tests, each a process of its own because rospy knows only one node per process.
+
+python -m tests.integration.robot.peers publish TOPIC PERIOD COUNT LINEAR ANGULAR SHOOT
+python -m tests.integration.robot.peers listen TOPIC
+python -m tests.integration.robot.peers ids FILE     (serves /add_new_robot, the next ID is read from FILE)
+"""
+
+import sys
+import time
+from pathlib import Path
+
+import rospy
+from std_msgs.msg import Empty
+
+from laser_bot_battle.msg import Robot_msg
+from laser_bot_battle.srv import AddNewRobot, AddNewRobotResponse
+
+
+def publish(topic: str, period: str, count: str, *command: str) -> None:
+    """Publish COUNT times the same command every PERIOD s (0: as fast as can be), once somebody listens."""
+    publisher = rospy.Publisher(topic, Robot_msg, queue_size=1, tcp_nodelay=True)
+    while publisher.get_num_connections() == 0:
+        time.sleep(0.01)
+    for number in range(int(count)):
+        if number:
+            time.sleep(float(period))
+        publisher.publish(*map(int, command))
+    print("published", flush=True)
+    rospy.spin()
+
+
+def listen(topic: str) -> None:
+    def received(message: Empty) -> None:
+        print("message from", message._connection_header["callerid"], flush=True)
+
+    subscriber = rospy.Subscriber(topic, Empty, received)
+    while subscriber.get_num_connections() == 0:
+        time.sleep(0.01)
+    print("connected", flush=True)
+    rospy.spin()
+
+
+def ids(file: str) -> None:
+    def add(request: object) -> AddNewRobotResponse:
+        print("asked by", request._connection_header["callerid"], flush=True)
+        text = Path(file).read_text()
+        if text == "none":
+            raise rospy.ServiceException("no ID is free")
+        return AddNewRobotResponse(int(text))
+
+    service = rospy.Service("/add_new_robot", AddNewRobot, add)
+    print("ready", flush=True)
+    service.spin()
+
+
+if __name__ == "__main__":
+    role, *words = sys.argv[1:]
+    rospy.init_node(f"peer_{role}", anonymous=True)
+    {"publish": publish, "listen": listen, "ids": ids}[role](*words)

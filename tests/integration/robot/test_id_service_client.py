@@ -1,0 +1,247 @@
+"""The robot's main program between a device, a real ROS service and a real HTTP server."""
+
+import os
+import re
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.integration.robot.device import Device
+from tests.integration.robot.web_server import WebServer
+from tests.support.polling import until
+from tests.support.ports import free_port
+from tests.support.programs import Program
+from tests.support.ros import RosMaster
+
+
+class IdService:
+    """/add_new_robot in a process of its own; `next` is its next answer, "none" makes it fail."""
+
+    def __init__(self, master: RosMaster, file: Path) -> None:
+        self._file = file
+        self._master = master
+        self.give("0")
+        self.start()
+
+    def give(self, answer: str) -> None:
+        self._file.write_text(answer)
+
+    def start(self) -> None:
+        self._program = Program.python("tests.integration.robot.peers", "ids", str(self._file), env=self._master.env)
+        self._program.wait_for("ready")
+
+    def kill(self) -> None:
+        self._program.kill()
+
+    @property
+    def callers(self) -> list[str]:
+        """Who has asked for an ID, in order."""
+        return re.findall("asked by (.*)", self._program.output)
+
+
+@pytest.fixture
+def ids(ros_master: RosMaster, tmp_path: Path) -> Iterator[IdService]:
+    service = IdService(ros_master, tmp_path / "next_id")
+    yield service
+    service.kill()
+
+
+@pytest.fixture
+def web() -> Iterator[WebServer]:
+    with WebServer() as web:
+        yield web
+
+
+@pytest.fixture
+def device(tmp_path: Path) -> Iterator[Device]:
+    with Device(tmp_path / "ttyACM0") as device:
+        yield device
+
+
+@pytest.fixture
+def robot(ros_master: RosMaster, web: WebServer, device: Device) -> Iterator[Program]:
+    """The program under test; it tries again every half second instead of every 5 s."""
+    env = {
+        **ros_master.env,
+        "LASERBOT_MASTER": "127.0.0.1",
+        "LASERBOT_WEB_PORT": str(web.port),
+        "LASERBOT_SERIAL": device.path,
+        "LASERBOT_ROBOT_NAME": "test-robot.1",
+        "LASERBOT_RETRY": "0.5",
+    }
+    program = Program.python("robot.id_service_client", env=env)
+    yield program
+    if program.running:
+        program.stop()
+    assert not children(program)
+
+
+def children(program: Program, word: str = "robot.") -> list[int]:
+    """Process IDs of running programs that `program` has started, by a word of their command line."""
+    found = []
+    for entry in Path("/proc").glob("[0-9]*"):
+        try:
+            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
+            if parent == program.process.pid and word.encode() in (entry / "cmdline").read_bytes():
+                found.append(int(entry.name))
+        except OSError:
+            continue
+    return found
+
+
+def serial_node(program: Program, robot_id: int) -> int:
+    """The process ID of the serial node, once there is one."""
+    return until(lambda: children(program, f"__name:=Robot{robot_id}"), 15)[0]
+
+
+def test_a_robot_registers_once_its_arduino_answers_and_pings_with_its_id(
+    ids: IdService, web: WebServer, device: Device, robot: Program
+) -> None:
+    robot.wait_for("New robot ID = 0")
+    robot.wait_for("/Robot0/command")
+    until(lambda: len(web.pings) >= 10)
+    times = [when for when, _, _ in web.pings[:10]]
+    assert 3.2 < times[9] - times[0] < 6
+    assert {body for _, _, body in web.pings} == {"ID=0"}
+    assert ids.callers == ["/id_service_client_test_robot_1"]
+
+
+def test_a_robot_whose_arduino_does_not_answer_is_not_registered(
+    ids: IdService, web: WebServer, device: Device, robot: Program
+) -> None:
+    device.answers = False
+    robot.wait_for("no answer to the topic request")
+    assert ids.callers == []
+    assert web.pings == []
+    device.answers = True
+    robot.wait_for("New robot ID = 0")
+
+
+def test_a_server_that_forgot_the_robot_is_asked_again_and_the_serial_node_goes_on(
+    ids: IdService, web: WebServer, robot: Program
+) -> None:
+    node = serial_node(robot, 0)
+    robot.wait_for("/Robot0/command")
+    web.answer = '{"status": "ERROR"}'
+    until(lambda: len(ids.callers) == 2)
+    web.answer = '{"status": "OK"}'
+    robot.wait_for("still robot 0")
+    pings = len(web.pings)
+    until(lambda: len(web.pings) > pings + 3)
+    assert serial_node(robot, 0) == node
+
+
+def test_a_new_id_starts_the_serial_node_under_the_new_name(ids: IdService, web: WebServer, robot: Program) -> None:
+    robot.wait_for("/Robot0/command")
+    ids.give("5")
+    web.answer = '{"status": "ERROR"}'
+    robot.wait_for("New robot ID = 5")
+    web.answer = '{"status": "OK"}'
+    robot.wait_for("/Robot5/command")
+    assert children(robot, "__name:=Robot0") == []
+    until(lambda: web.pings[-1][2] == "ID=5")
+
+
+def test_pings_stop_when_the_serial_node_ends_and_the_robot_comes_back(
+    ids: IdService, web: WebServer, robot: Program
+) -> None:
+    robot.wait_for("/Robot0/command")
+    ids.give("none")
+    os.kill(serial_node(robot, 0), signal.SIGKILL)
+    robot.wait_for("Connection to Arduino lost: the serial node ended with exit code -9")
+    pings = len(web.pings)
+    robot.wait_for("Service call failed")
+    assert "no ID is free" in robot.output
+    assert len(web.pings) <= pings + 1  # one may have been on its way
+    ids.give("0")
+    until(lambda: robot.output.count("New robot ID = 0") == 2)
+    until(lambda: len(web.pings) > pings + 3)
+
+
+def test_an_unplugged_arduino_ends_the_pings_and_a_plugged_in_one_brings_the_robot_back(
+    ids: IdService, web: WebServer, device: Device, robot: Program
+) -> None:
+    robot.wait_for("/Robot0/command")
+    device.unplug()
+    robot.wait_for("No attached ARDUINO found")
+    pings = len(web.pings)
+    until(lambda: robot.output.count("No attached ARDUINO found") >= 3)
+    assert len(web.pings) <= pings + 1
+    with Device(Path(device.path)):
+        until(lambda: robot.output.count("/Robot0/command") == 2, 15)
+        until(lambda: len(web.pings) > pings + 3)
+
+
+def test_a_web_server_that_is_away_and_back_changes_nothing_else(
+    ids: IdService, web: WebServer, robot: Program
+) -> None:
+    node = serial_node(robot, 0)
+    until(lambda: web.pings)
+    web.stop()
+    robot.wait_for("Connection to webserver lost")
+    web.start()
+    robot.wait_for("webserver answers again")
+    assert serial_node(robot, 0) == node
+    assert len(ids.callers) == 1
+
+
+def test_without_the_service_the_reason_is_said_and_the_robot_tries_on(
+    ros_master: RosMaster, tmp_path: Path, robot: Program
+) -> None:
+    until(lambda: robot.output.count("Service call failed") >= 2, 15)
+    service = IdService(ros_master, tmp_path / "next_id")
+    robot.wait_for("New robot ID = 0")
+    service.kill()
+
+
+def test_without_a_ros_master_the_reason_is_said_and_the_robot_tries_on(device: Device, tmp_path: Path) -> None:
+    master = RosMaster(tmp_path)
+    env = {**master.env, "LASERBOT_SERIAL": device.path, "LASERBOT_RETRY": "0.2", "LASERBOT_MASTER": "127.0.0.1"}
+    robot = Program.python("robot.id_service_client", env={**env, "LASERBOT_WEB_PORT": str(free_port())})
+    try:
+        robot.wait_for("unable to contact master")
+        assert "Traceback" not in robot.output
+        master.start()
+        service = IdService(master, tmp_path / "next_id")
+        robot.wait_for("New robot ID = 0")
+        service.kill()
+    finally:
+        robot.stop()
+        master.stop()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_everything_quickly_and_cleanly(
+    ids: IdService, web: WebServer, robot: Program, number: signal.Signals
+) -> None:
+    robot.wait_for("/Robot0/command")
+    begun = time.monotonic()
+    assert robot.stop(number) == 0
+    assert time.monotonic() - begun < 2
+    assert "Traceback" not in robot.output
+
+
+def test_a_signal_ends_it_while_it_asks_the_arduino(device: Device, robot: Program) -> None:
+    device.answers = False
+    until(lambda: device.topic_requests)
+    begun = time.monotonic()
+    assert robot.stop() == 0
+    assert time.monotonic() - begun < 2
+    assert "Traceback" not in robot.output
+
+
+def test_the_serial_node_does_not_outlive_a_killed_supervisor(ids: IdService, robot: Program) -> None:
+    node = serial_node(robot, 0)
+    robot.wait_for("/Robot0/command")
+    robot.process.kill()
+    robot.process.wait()
+    until(lambda: not Path(f"/proc/{node}").exists() or "Z" in Path(f"/proc/{node}/stat").read_text().split()[2])
+
+
+def test_a_wrong_setting_ends_it_with_one_line() -> None:
+    robot = Program.python("robot.id_service_client", env={"LASERBOT_WEB_PORT": "x", "PYTHONPATH": "build/python"})
+    assert robot.process.wait(10) == 2
+    assert robot.output == "LASERBOT_WEB_PORT=x: must be a number from 1 to 65535\n"

@@ -1,0 +1,201 @@
+"""The whole chain on one machine: real ROS master, rosbridge, referee, robot software, firmware and arena."""
+
+import contextlib
+import math
+from collections.abc import Iterator
+
+import pytest
+import requests
+from websockets.exceptions import WebSocketException
+
+from tests.support.battle import Battle
+from tests.support.player import Eyes, Player, hunt
+from tests.support.polling import until
+
+STOPPED, COUNTDOWN, PLAYING = 0, 1, 2
+
+
+@pytest.fixture(scope="module")
+def battle() -> Iterator[Battle]:
+    """A battle with short rules: a hit takes 40 of 100, the countdown 1 s."""
+    with Battle(robots=2, LASERBOT_HIT_DAMAGE="40", LASERBOT_COUNTDOWN="1") as running:
+        yield running
+
+
+@pytest.fixture
+def players(battle: Battle) -> Iterator[tuple[Player, Player]]:
+    """Ann and Bob, signed in, each with a robot; both robots must be free again before."""
+    until(lambda: available(battle) == 2, 20, "two free robots")
+    with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob:
+        yield ann, bob
+
+
+def available(battle: Battle) -> int:
+    reply = requests.post(f"{battle.web}/getAvailableRobots", timeout=5)
+    return int(reply.json()["availableR"])
+
+
+def start(*players: Player) -> None:
+    for player in players:
+        assert player.ready() == "OK"
+    for player in players:
+        player.wait_for_game(PLAYING)
+
+
+def test_a_command_turns_the_wheels_and_silence_stops_them(battle: Battle, players: tuple[Player, Player]) -> None:
+    ann, bob = players
+    with Eyes(battle) as eyes:
+        start(ann, bob)
+        before = eyes.robots()[ann.robot]
+        other_before = eyes.robots()[bob.robot]
+
+        def turned() -> bool:
+            ann.drive(angular=1)
+            return abs(math.remainder(eyes.robots()[ann.robot]["heading"] - before["heading"], math.tau)) > 0.3
+
+        until(turned, 10, "Ann's robot turns right")
+        assert math.remainder(eyes.robots()[ann.robot]["heading"] - before["heading"], math.tau) < 0, (
+            "right is clockwise"
+        )
+        # no more commands: the dead-man stops the wheels
+        still_since: list[float] = []
+
+        def still() -> bool:
+            still_since.append(eyes.robots()[ann.robot]["heading"])
+            return len(still_since) > 50 and len(set(still_since[-50:])) == 1
+
+        until(still, 5, "Ann's robot stands still")
+        assert eyes.robots()[bob.robot]["heading"] == other_before["heading"], "nobody drove Bob's robot"
+
+
+def test_shots_lower_the_life_on_every_page_and_end_the_battle(battle: Battle, players: tuple[Player, Player]) -> None:
+    ann, bob = players
+    with Eyes(battle) as eyes:
+        start(ann, bob)
+        lives: list[int] = []
+
+        def over() -> bool:
+            robots = eyes.robots()
+            ann.drive(*hunt(robots[ann.robot], robots[bob.robot]))
+            life = ann.user("Bob").get("life")
+            if life is not None and life not in lives:
+                lives.append(life)
+            return ann.look()["game"] == STOPPED
+
+        until(over, 60, "Ann shoots Bob to the end")
+        assert lives == [100, 60, 20, 0]
+        for player in players:
+            result = [
+                (entry["place"], entry["name"], entry["life"]) for entry in until(lambda p=player: p.look()["result"])
+            ]
+            assert result == [(1, "Ann", 100), (2, "Bob", 0)]
+        until(lambda: eyes.robots()[bob.robot]["hits"] >= 3, 5, "the arena counts the light pulses")
+
+
+def test_nobody_drives_another_ones_robot_or_before_the_start(battle: Battle, players: tuple[Player, Player]) -> None:
+    ann, bob = players
+    with Eyes(battle) as eyes:
+        before = eyes.robots()
+        ann.drive(linear=1)  # no battle yet
+        ann.robot, own = bob.robot, ann.robot
+        start(ann, bob)
+        ann.drive(linear=1)  # not hers
+        ann.robot = own
+
+        def bob_turned() -> bool:
+            bob.drive(angular=1)
+            return abs(eyes.robots()[bob.robot]["heading"] - before[bob.robot]["heading"]) > 0.3
+
+        until(bob_turned, 10, "the chain works for the one who may")
+        after = eyes.robots()
+        assert (after[ann.robot]["x"], after[ann.robot]["y"]) == (before[ann.robot]["x"], before[ann.robot]["y"])
+        assert (after[bob.robot]["x"], after[bob.robot]["y"]) == pytest.approx(
+            (before[bob.robot]["x"], before[bob.robot]["y"]), abs=1e-3
+        )
+
+
+def test_a_robot_that_loses_its_arduino_takes_its_player_out_and_comes_back_with_its_id(
+    battle: Battle, players: tuple[Player, Player]
+) -> None:
+    ann, bob = players
+    start(ann, bob)
+    battle.kill(rf"avr_robot .*--name virtual{bob.robot} ")
+    until(lambda: not ann.user("Bob"), 10, "Bob is out")
+    ann.wait_for_game(STOPPED)
+    assert [(entry["place"], entry["name"], entry["left"]) for entry in ann.look()["result"]] == [
+        (1, "Ann", False),
+        (2, "Bob", True),
+    ]
+    # the serial port is back after a second: the robot registers again by itself
+    until(lambda: available(battle) == 1, 20, "Bob's robot is back")
+    with Player(battle, "Cy") as cy:
+        assert cy.robot == bob.robot
+
+
+def test_after_a_restart_of_the_server_the_robots_come_back_with_their_ids(
+    battle: Battle, players: tuple[Player, Player]
+) -> None:
+    ann, bob = players
+    before = {ann.robot: "virtual0", bob.robot: "virtual1"}
+    battle.kill(r"python3 -m server\.main")
+
+    def back() -> bool:
+        with contextlib.suppress(requests.ConnectionError):
+            return available(battle) == 2
+        return False
+
+    until(back, 30, "both robots registered with the new server")
+    with Player(battle, "Ann2") as again, Player(battle, "Bob2") as other, Eyes(battle) as eyes:
+        start(again, other)
+        heading = eyes.robots()[again.robot]["heading"]
+
+        def turned() -> bool:
+            again.drive(angular=1)
+            return abs(eyes.robots()[again.robot]["heading"] - heading) > 0.2
+
+        until(turned, 15, f"robot {again.robot} ({before[again.robot]}) obeys its player again")
+        again.drive()
+
+
+def test_rosbridge_restarts_and_the_players_go_on(battle: Battle, players: tuple[Player, Player]) -> None:
+    ann, bob = players
+    start(ann, bob)
+    battle.kill(r"python3 -m server\.rosbridge")
+
+    def connected() -> bool:
+        with contextlib.suppress(OSError, WebSocketException):
+            ann.bridge = ann.connect_bridge()
+            return True
+        return False
+
+    until(connected, 20, "rosbridge is back")
+    ann.wait_for_game(PLAYING)
+    with Eyes(battle) as eyes:
+        heading = eyes.robots()[ann.robot]["heading"]
+
+        def turned() -> bool:
+            ann.drive(angular=1)
+            return abs(eyes.robots()[ann.robot]["heading"] - heading) > 0.2
+
+        until(turned, 10, "Ann drives on")
+
+
+def test_a_closed_socket_stops_the_robot(battle: Battle, players: tuple[Player, Player]) -> None:
+    ann, bob = players
+    with Eyes(battle) as eyes:
+        start(ann, bob)
+        heading = eyes.robots()[ann.robot]["heading"]
+
+        def turning() -> bool:
+            ann.drive(angular=1)
+            return eyes.robots()[ann.robot]["heading"] != heading
+
+        until(turning, 10)
+        ann.bridge.close()
+        seen: list[float] = []
+
+        def still() -> bool:
+            seen.append(eyes.robots()[ann.robot]["heading"])
+            return len(seen) > 50 and len(set(seen[-50:])) == 1
+
+        until(still, 3, "Ann's robot stands still")

@@ -1,0 +1,97 @@
+"""`ci/demo` as a user meets it: what it says, what it refuses, and that nothing is left behind."""
+
+import os
+import signal
+import socket
+from collections.abc import Mapping
+
+import pytest
+import requests
+
+from tests.support.battle import Battle, descendants
+from tests.support.polling import until
+from tests.support.programs import ROOT, Program
+
+
+def demo(*words: str, **variables: str) -> Program:
+    return Program([str(ROOT / "ci" / "demo"), *words], variables)
+
+
+def refusal(program: Program) -> str:
+    """What a demo that will not start says; it must end by itself with an error."""
+    until(lambda: not program.running, 20, "the demo gives up")
+    assert program.process.returncode not in (0, None)
+    assert "Traceback" not in program.output
+    return program.output
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("sig", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) -> None:
+    battle = Battle(robots=2, bots=1)
+    try:
+        battle.wait_until_ready()
+        output = battle.program.output
+        assert f"http://localhost:{battle.web_port}" in output
+        assert f"http://localhost:{battle.arena_port}" in output
+        below = descendants(battle.program.process.pid)
+        assert len(below) > 8
+    finally:
+        code = battle.program.stop(sig, seconds=30)
+    assert code == 0, battle.program.output
+    assert battle.program.output.endswith("Stopped.\n")
+    assert [pid for pid in below if alive(pid)] == []
+    for port in battle.ports.values():
+        with socket.socket() as probe:
+            assert probe.connect_ex(("127.0.0.1", port)) != 0
+
+
+def test_a_killed_demo_takes_its_processes_with_it() -> None:
+    battle = Battle(robots=1, bots=0)
+    try:
+        battle.wait_until_ready()
+        below = descendants(battle.program.process.pid)
+    finally:
+        battle.program.process.kill()
+        battle.program.process.wait()
+    until(lambda: not [pid for pid in below if alive(pid)], 30, "all processes of the killed demo are gone")
+
+
+def test_the_bot_waits_for_a_human_as_an_opponent() -> None:
+    with Battle(robots=2, bots=1) as battle:
+        reply: Mapping[str, str] = requests.post(f"{battle.web}/updateGameStatus", timeout=5).json()
+        assert '"Bot1"' in reply["users"]
+        assert requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"] == 1
+
+
+def test_a_port_in_use_is_one_clear_line() -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        output = refusal(demo(LASERBOT_WEB_PORT=str(port)))
+    line = output.strip().splitlines()[-1]
+    assert f"port {port} (the game)" in line
+    assert f"LASERBOT_WEB_PORT={port + 1} make demo" in line
+
+
+@pytest.mark.parametrize(
+    ("words", "variables", "complaint"),
+    [
+        (["--robots", "two"], {}, "'two' is not a number from 0 to 8"),
+        (["--robots", "9"], {}, "'9' is not a number from 0 to 8"),
+        (["--robots", "1", "--bots", "2"], {}, "2 bots need 2 robots, there are 1"),
+        ([], {"LASERBOT_WEB_PORT": "http"}, "LASERBOT_WEB_PORT='http' is no port number"),
+        ([], {"LASERBOT_ROSBRIDGE_PORT": "0"}, "LASERBOT_ROSBRIDGE_PORT='0' is no port number"),
+        ([], {"LASERBOT_WEB_PORT": "7001", "LASERBOT_ARENA_PORT": "7001"}, "are both 7001"),
+    ],
+)
+def test_bad_input_is_refused_in_plain_words(words: list[str], variables: dict[str, str], complaint: str) -> None:
+    assert complaint in refusal(demo(*words, **variables))

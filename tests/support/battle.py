@@ -1,0 +1,117 @@
+"""A whole battle as a user starts it (ci/demo), on free ports, and its processes."""
+
+import contextlib
+import os
+import re
+import signal
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from tests.support.ports import free_port
+from tests.support.programs import ROOT, Program
+
+PORTS = (
+    "LASERBOT_WEB_PORT",
+    "LASERBOT_ROSBRIDGE_PORT",
+    "LASERBOT_ROS_PORT",
+    "LASERBOT_ARENA_PORT",
+    "LASERBOT_ARENA_LINK_PORT",
+)
+
+
+class Battle:
+    """`ci/demo` with `robots` virtual robots and `bots` bots; `variables` are LASERBOT_ settings."""
+
+    def __init__(self, robots: int = 2, bots: int = 0, **variables: str) -> None:
+        self.ports = {variable: free_port() for variable in PORTS}
+        environment = {**{name: str(port) for name, port in self.ports.items()}, **variables}
+        self.program = Program([str(ROOT / "ci" / "demo"), "--robots", str(robots), "--bots", str(bots)], environment)
+
+    @property
+    def web_port(self) -> int:
+        return self.ports["LASERBOT_WEB_PORT"]
+
+    @property
+    def web(self) -> str:
+        return f"http://127.0.0.1:{self.web_port}"
+
+    @property
+    def arena_port(self) -> int:
+        return self.ports["LASERBOT_ARENA_PORT"]
+
+    @property
+    def rosbridge_port(self) -> int:
+        return self.ports["LASERBOT_ROSBRIDGE_PORT"]
+
+    @property
+    def log(self) -> str:
+        """What all parts have said."""
+        return (ROOT / "build" / f"demo-{self.web_port}.log").read_text(errors="replace")
+
+    def wait_until_ready(self, seconds: float = 60.0) -> None:
+        self.program.wait_for("Ctrl-C stops everything", seconds)
+
+    def pid(self, command: str) -> int:
+        """The one running process of this battle whose command line matches the regular expression `command`."""
+        matching = [pid for pid in descendants(self.program.process.pid) if re.search(command, command_line(pid))]
+        assert len(matching) == 1, f"{command!r} is {len(matching)} processes of the battle"
+        return matching[0]
+
+    def kill(self, command: str) -> None:
+        """End that process as a crash does; roslaunch starts it again."""
+        os.kill(self.pid(command), signal.SIGKILL)
+
+    def pause(self, command: str) -> "Paused":
+        """Within a `with`: that process stands still, as behind a cut network."""
+        return Paused(self.pid(command))
+
+    def __enter__(self) -> Self:
+        try:
+            self.wait_until_ready()
+        except AssertionError:
+            self.program.kill()
+            raise
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.program.stop(seconds=30.0)
+
+
+class Paused:
+    """A process that is stopped until the end of the `with`."""
+
+    def __init__(self, pid: int) -> None:
+        self.pid = pid
+
+    def __enter__(self) -> None:
+        os.kill(self.pid, signal.SIGSTOP)
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        with contextlib.suppress(ProcessLookupError):  # ended meanwhile, which the test may have wanted
+            os.kill(self.pid, signal.SIGCONT)
+
+
+def descendants(pid: int) -> list[int]:
+    """All processes below `pid`."""
+    found: list[int] = []
+    for task in Path(f"/proc/{pid}/task").glob("*"):
+        try:
+            children = [int(child) for child in (task / "children").read_text().split()]
+        except OSError:
+            continue
+        for child in children:
+            found += [child, *descendants(child)]
+    return found
+
+
+def command_line(pid: int) -> str:
+    """The words of a process's command, empty when it is gone."""
+    try:
+        return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace").strip()
+    except OSError:
+        return ""

@@ -1,0 +1,131 @@
+"""A player without a browser: HTTP and rosbridge as any page uses them, and eyes on the arena."""
+
+import contextlib
+import json
+import math
+import threading
+from collections.abc import Mapping
+from typing import Any
+
+import requests
+from websockets.sync.client import ClientConnection, connect
+
+from tests.support.battle import Battle
+from tests.support.polling import until
+
+RANGE = 0.5  # m, near enough to shoot
+ALIGNED = math.radians(3)
+
+
+class Player:
+    """Signs up at once; use as a context manager to sign out and close the sockets."""
+
+    def __init__(self, battle: Battle, name: str) -> None:
+        self.battle, self.name = battle, name
+        self.http = requests.Session()
+        reply = self.post("signUpUser", data=name)
+        assert reply["status"] == "OK", reply
+        self.robot: int = reply["robot"]
+        self.bridge = self.connect_bridge()
+        self._gone = threading.Event()
+        self._heart = threading.Thread(target=self._beat)
+        self._heart.start()
+
+    def _beat(self) -> None:
+        """A page that is open asks for the state now and then; one that is silent for 15 s is signed out."""
+        with requests.Session() as http:
+            http.cookies.update(self.http.cookies)
+            while not self._gone.wait(2.0):
+                with contextlib.suppress(requests.ConnectionError):
+                    http.post(f"{self.battle.web}/updateGameStatus", timeout=5)
+
+    def connect_bridge(self) -> ClientConnection:
+        """A WebSocket to rosbridge with this player's cookie, the state of the battle subscribed."""
+        cookies = "; ".join(f"{cookie.name}={cookie.value}" for cookie in self.http.cookies)
+        # no bound on what waits to be read: a close must get through even if a test did not look for a while
+        bridge = connect(
+            f"ws://127.0.0.1:{self.battle.rosbridge_port}", additional_headers={"Cookie": cookies}, max_queue=None
+        )
+        bridge.send(json.dumps({"op": "subscribe", "topic": "/game_status", "type": "laser_bot_battle/GameStatus"}))
+        topic = f"/Robot{self.robot}/command"
+        bridge.send(json.dumps({"op": "advertise", "topic": topic, "type": "laser_bot_battle/Robot_msg"}))
+        self.status: dict[str, Any] = {}
+        return bridge
+
+    def post(self, route: str, **fields: object) -> dict[str, Any]:
+        reply = self.http.post(f"{self.battle.web}/{route}", data=fields, timeout=5)
+        return dict(json.loads(reply.text))
+
+    def ready(self, value: int = 1) -> str:
+        return str(self.post("playerReady", user=self.name, ready=value)["status"])
+
+    def drive(self, linear: int = 0, angular: int = 0, shoot: bool = False) -> None:
+        command = {"linear_x": linear, "angular_z": angular, "shoot": shoot}
+        self.bridge.send(json.dumps({"op": "publish", "topic": f"/Robot{self.robot}/command", "msg": command}))
+
+    def look(self) -> dict[str, Any]:
+        """The newest /game_status (empty before the first)."""
+        while True:
+            try:
+                message = json.loads(self.bridge.recv(timeout=0))
+            except TimeoutError:
+                return self.status
+            if message["op"] == "publish":
+                self.status = message["msg"]
+
+    def user(self, name: str | None = None) -> Mapping[str, Any]:
+        """One signed-in player as everybody sees him, empty when he is not there."""
+        for user in self.look().get("users", []):
+            if user["name"] == (name or self.name):
+                return dict(user)
+        return {}
+
+    def wait_for_game(self, game: int, seconds: float = 10.0) -> None:
+        until(lambda: self.look().get("game") == game, seconds, f"game {game} for {self.name}")
+
+    def __enter__(self) -> "Player":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._gone.set()
+        self._heart.join()
+        self.bridge.close()
+        with contextlib.suppress(requests.ConnectionError):  # the battle is over
+            self.post("signOutUser", data=self.name)
+        self.http.close()
+
+
+class Eyes:
+    """The arena's public view."""
+
+    def __init__(self, battle: Battle) -> None:
+        self.view = connect(f"ws://127.0.0.1:{battle.arena_port}/view", max_queue=None)
+        self.floor: dict[str, Any] = json.loads(self.view.recv(timeout=5))
+        self._robots: dict[int, dict[str, Any]] = {}
+
+    def robots(self) -> dict[int, dict[str, Any]]:
+        """All robots on the floor now, by ID."""
+        timeout = 5.0 if not self._robots else 0.0
+        while True:
+            try:
+                state = json.loads(self.view.recv(timeout=timeout))
+            except TimeoutError:
+                return self._robots
+            self._robots = {robot["id"]: robot for robot in state["robots"]}
+            timeout = 0.0
+
+    def __enter__(self) -> "Eyes":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.view.close()
+
+
+def hunt(me: Mapping[str, float], prey: Mapping[str, float]) -> tuple[int, int, bool]:
+    """The command (linear_x, angular_z, shoot) that turns to the prey, comes near and shoots."""
+    distance = math.hypot(prey["x"] - me["x"], prey["y"] - me["y"])
+    bearing = math.atan2(prey["y"] - me["y"], prey["x"] - me["x"]) - me["heading"]
+    bearing = math.remainder(bearing, math.tau)
+    if abs(bearing) > ALIGNED:
+        return 0, -1 if bearing > 0 else 1, False
+    return (1, 0, False) if distance > RANGE else (0, 0, True)

@@ -1,0 +1,57 @@
+"""A real ROS master for tests, on a free port, with its files in a folder of the test's own.
+
+A test package makes the fixture its own by importing it in its conftest.py:
+
+    from tests.support.ros import ros_master
+"""
+
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.support.polling import until
+from tests.support.ports import free_port, listening
+from tests.support.programs import ROOT, Program
+
+HOST = "127.0.0.1"
+
+
+class RosMaster:
+    """`rosmaster --core`; `env` is what ROS programs need in their environment to use it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.port = free_port()
+        self.uri = f"http://{HOST}:{self.port}"
+        self.env = {
+            "ROS_MASTER_URI": self.uri,
+            "ROS_IP": HOST,
+            "ROS_HOSTNAME": HOST,
+            "ROS_HOME": str(folder),
+            "ROS_LOG_DIR": str(folder / "log"),
+            "PYTHONPATH": os.pathsep.join([str(ROOT), str(ROOT / "build" / "python")]),
+        }
+        self._program: Program | None = None
+
+    def start(self) -> None:
+        self._program = Program([sys.executable, "/usr/bin/rosmaster", "--core", "-p", str(self.port)], self.env)
+        until(lambda: listening(self.port), 10, "the ROS master")
+
+    def stop(self) -> None:
+        """All that it knew is lost; start() begins anew on the same port."""
+        if self._program is not None:
+            self._program.stop()
+            self._program = None
+
+
+@pytest.fixture(scope="module")
+def ros_master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RosMaster]:
+    """One master for a module: its tests use node and topic names of their own."""
+    master = RosMaster(tmp_path_factory.mktemp("ros"))
+    master.start()
+    try:
+        yield master
+    finally:
+        master.stop()

@@ -1,0 +1,85 @@
+from pathlib import Path
+
+import pytest
+
+from robot.settings import DEVICES, Settings, default_robot_name
+
+
+def test_the_defaults_are_those_of_the_manual() -> None:
+    settings = Settings.from_env({})
+    assert settings.alive_url == "http://laser_bot_master.local:5000/incAlive"
+    assert settings.ros_master_uri == "http://laser_bot_master.local:11311"
+    assert settings.devices == DEVICES == ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0")
+    assert settings.retry == 5
+    assert settings.log_level == "info"
+
+
+def test_the_environment_overrides_them() -> None:
+    settings = Settings.from_env(
+        {
+            "LASERBOT_MASTER": "10.0.0.7",
+            "LASERBOT_WEB_PORT": "5050",
+            "LASERBOT_SERIAL": "socket://arena:9000",
+            "LASERBOT_ROBOT_NAME": "virtual-0",
+            "LASERBOT_RETRY": "0.5",
+            "LASERBOT_LOG_LEVEL": "DEBUG",
+        }
+    )
+    assert settings.alive_url == "http://10.0.0.7:5050/incAlive"
+    assert settings.ros_master_uri == "http://10.0.0.7:11311"
+    assert settings.devices == ("socket://arena:9000",)
+    assert settings.caller_id == "/id_service_client_virtual_0"
+    assert (settings.retry, settings.log_level) == (0.5, "debug")
+
+
+def test_a_ros_master_that_is_set_counts() -> None:
+    assert Settings.from_env({"ROS_MASTER_URI": "http://elsewhere:1"}).ros_master_uri == "http://elsewhere:1"
+
+
+@pytest.mark.parametrize(
+    ("variable", "value"),
+    [
+        ("LASERBOT_WEB_PORT", "http"),
+        ("LASERBOT_WEB_PORT", "0"),
+        ("LASERBOT_WEB_PORT", "65536"),
+        ("LASERBOT_WEB_PORT", "5000.5"),
+        ("LASERBOT_RETRY", "-1"),
+        ("LASERBOT_RETRY", "nan"),
+        ("LASERBOT_LOG_LEVEL", "loud"),
+        ("ROS_MASTER_URI", "master"),
+        ("ROS_MASTER_URI", "http://master"),
+        ("ROS_MASTER_URI", "http://master:port"),
+    ],
+)
+def test_a_value_that_cannot_be_used_is_named(variable: str, value: str) -> None:
+    with pytest.raises(ValueError, match=f"{variable}={value}"):
+        Settings.from_env({variable: value})
+
+
+def test_a_wrong_value_ends_a_program_with_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as end:
+        Settings.load({"LASERBOT_WEB_PORT": "x"})
+    assert end.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def interface(folder: Path, name: str, address: str, hardware: bool) -> None:
+    (folder / name).mkdir()
+    (folder / name / "address").write_text(address + "\n")
+    if hardware:
+        (folder / name / "device").mkdir()
+
+
+def test_a_robots_own_name_has_the_address_of_its_first_network_hardware(tmp_path: Path) -> None:
+    interface(tmp_path, "docker0", "02:42:00:00:00:01", hardware=False)
+    interface(tmp_path, "lo", "00:00:00:00:00:00", hardware=False)
+    interface(tmp_path, "wlan0", "b8:27:eb:00:00:02", hardware=True)
+    interface(tmp_path, "eth0", "b8:27:eb:00:00:01", hardware=True)
+    assert default_robot_name(tmp_path).endswith("_b8:27:eb:00:00:01")
+
+
+def test_without_hardware_any_address_will_do_and_without_one_the_host_name(tmp_path: Path) -> None:
+    host_name = default_robot_name(tmp_path)
+    assert ":" not in host_name
+    interface(tmp_path, "eth0", "02:42:00:00:00:01", hardware=False)
+    assert default_robot_name(tmp_path) == host_name + "_02:42:00:00:00:01"
