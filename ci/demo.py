@@ -219,6 +219,13 @@ def say(text: str) -> None:
     print(text, flush=True)
 
 
+def more_people(robots: int) -> str:
+    """What a second person has to do, with that many robots for people."""
+    if robots > 1:
+        return "more people: another browser or a private window"
+    return "a second person needs a robot too: make demo ROBOTS=3, or BOTS=0"
+
+
 def count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and int(text) <= MOST_ROBOTS):
         raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to {MOST_ROBOTS}")
@@ -248,8 +255,7 @@ def main() -> int:
             battle.wait_until_ready()
             say(
                 f"\nReady. Open\n"
-                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game "
-                f"(a second person: another browser or a private window)\n"
+                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game ({more_people(options.robots - options.bots)})\n"
                 f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
                 f"Ctrl-C stops everything. What the parts say: {battle.log}"
             )

@@ -1,0 +1,160 @@
+"""The TCP server to which the robots' hardware connects (lines: see protocol.py)."""
+
+import asyncio
+import contextlib
+import logging
+import socket
+from collections.abc import Iterable
+
+from sim.arena import protocol
+from sim.arena.protocol import LinkError
+from sim.arena.world import ArenaError, Robot, World
+
+MAX_CONNECTIONS = 32  # named or not; a battle needs 8
+HELLO_SECONDS = 5.0  # for the first line
+FAREWELL_SECONDS = 1.0  # for the peer to read why it is disconnected
+MAX_UNSENT = 4096  # bytes; a robot that reads so slowly is stuck
+LIGHT_DELAY = 0.004  # s; several robots' motions within this time are looked at together
+
+log = logging.getLogger("arena.link")
+
+
+class Connection:
+    """One robot's hardware, or a stranger before its hello."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.reader = reader
+        self.writer = writer
+        self.peer = "{}:{}".format(*writer.get_extra_info("peername")[:2])
+
+    async def line(self) -> bytes | None:
+        """The next line without its end, None at the end of the connection; LinkError if it is too long."""
+        try:
+            line = await self.reader.readline()
+        except ValueError:
+            raise LinkError(f"line longer than {protocol.MAX_LINE} bytes") from None
+        return line.rstrip(b"\r\n") if line.endswith(b"\n") else None
+
+    def send(self, line: bytes) -> None:
+        """Send at once; a peer that does not read is cut off."""
+        if self.writer.is_closing():
+            return
+        if self.writer.transport.get_write_buffer_size() > MAX_UNSENT:
+            log.warning("%s does not read what it is told: disconnected", self.peer)
+            self.writer.transport.abort()
+            return
+        self.writer.write(line)
+
+    async def refuse(self, text: str) -> None:
+        """Say why and close. What the peer still sends is read, or the kernel would reset the connection unread."""
+        self.send(protocol.error(text))
+        with contextlib.suppress(OSError, TimeoutError):
+            self.writer.write_eof()
+            async with asyncio.timeout(FAREWELL_SECONDS):
+                while await self.reader.read(4096):
+                    pass
+
+
+class Link:
+    """Connects robots' hardware with the world: their wheels and beams go in, light comes out at once."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._robots: dict[str, Connection] = {}
+        self._open: set[Connection] = set()
+        self._light_due: asyncio.TimerHandle | None = None
+        self._server: asyncio.Server | None = None
+
+    async def start(self, bind: str, port: int) -> None:
+        """Listen; OSError if that is impossible."""
+        self._server = await asyncio.start_server(self._serve, bind, port, limit=protocol.MAX_LINE)
+
+    async def stop(self) -> None:
+        """Close the listening socket and every connection."""
+        if self._server:
+            self._server.close()
+        for connection in list(self._open):
+            connection.writer.transport.abort()
+        if self._server:
+            await self._server.wait_closed()
+
+    async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        connection = Connection(reader, writer)
+        _watch_peer(writer.get_extra_info("socket"))
+        self._open.add(connection)
+        try:
+            if len(self._open) > MAX_CONNECTIONS:
+                raise ArenaError("too many connections")
+            await self._welcome(connection)
+        except (LinkError, ArenaError) as reason:
+            log.warning("%s disconnected: %s", connection.peer, reason)
+            await connection.refuse(str(reason))
+        except OSError:
+            pass  # the peer is gone: its end of line, told by _welcome
+        finally:
+            self._open.discard(connection)
+            writer.close()
+
+    async def _welcome(self, connection: Connection) -> None:
+        try:
+            async with asyncio.timeout(HELLO_SECONDS):
+                hello = await connection.line()
+        except TimeoutError:
+            raise LinkError("no hello") from None
+        if hello is None:
+            return
+        name = protocol.parse_hello(hello)
+        if older := self._robots.get(name):
+            older.send(protocol.error("a newer connection has this robot's name"))
+            older.writer.close()
+            self._drop(name)
+        robot = self._world.arrive(name)
+        self._robots[name] = connection
+        log.info("%s on the floor (%s)", name, connection.peer)
+        try:
+            self._tell(self._world.update_light())
+            if not robot.lit:
+                connection.send(protocol.light(False))
+            await self._listen(name, connection)
+        finally:
+            if self._robots.get(name) is connection:
+                self._drop(name)
+                log.info("%s is gone", name)
+
+    async def _listen(self, name: str, connection: Connection) -> None:
+        """Follow what a robot's hardware does until its connection ends or another has its name."""
+        while (line := await connection.line()) is not None and self._robots.get(name) is connection:
+            match protocol.parse_event(line):
+                case protocol.Wheels(left, right):
+                    self._world.turn_wheels(name, left, right)
+                    self._look_soon()
+                case protocol.Beam(on):
+                    self._world.set_beam(name, on)
+                    self._tell(self._world.update_light())
+
+    def _drop(self, name: str) -> None:
+        del self._robots[name]
+        self._world.leave(name)
+        self._tell(self._world.update_light())
+
+    def _look_soon(self) -> None:
+        """Motion changes the light too: look once for all motions of the next moment."""
+        if self._light_due is None and self._world.any_light:
+            self._light_due = asyncio.get_running_loop().call_later(LIGHT_DELAY, self._look)
+
+    def _look(self) -> None:
+        self._light_due = None
+        self._tell(self._world.update_light())
+
+    def _tell(self, changed: Iterable[Robot]) -> None:
+        for robot in changed:
+            self._robots[robot.name].send(protocol.light(robot.lit))
+
+
+def _watch_peer(peer: socket.socket) -> None:
+    """Answers to light are small and urgent; a host that lost its power is noticed within about 10 s."""
+    peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    peer.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, 4)
+    peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, 2)
+    peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPCNT, 3)

@@ -1,0 +1,214 @@
+"""`python3 -m sim.bot`: a player for whom there is no person. It uses only what a browser can use."""
+
+import argparse
+import asyncio
+import contextlib
+import logging
+import os
+import random
+import signal
+import sys
+
+import aiohttp
+
+from sim.bot_course import Course
+from sim.bot_game import RETRY, Arena, Eyes, GameError, Rosbridge, Status, Web
+from sim.bot_mind import NEUTRAL, Command, Mind
+from sim.bot_settings import PREFIX, Settings, following
+from sim.environment import SettingsError
+
+TICK = 0.04  # s between two commands
+HEARTBEAT = 1.0  # s between two signs of life
+READY_PAUSE = 0.5  # s between two calls that change ready
+GOODBYE_SECONDS = 2.0
+
+HELP = f"""\
+A bot's name begins with {PREFIX}; if it is taken, the bot tries the next number. It gets ready when somebody who is
+no bot is ready, and takes that back likewise.
+
+variables: LASERBOT_MASTER, LASERBOT_WEB_PORT (5000), LASERBOT_ROSBRIDGE_PORT (9090), LASERBOT_ARENA_PORT (8080),
+LASERBOT_LOG_LEVEL (info)
+"""
+
+log = logging.getLogger("bot")
+
+
+class SignedOutError(Exception):
+    """The server does not know this player any more."""
+
+
+def wants_ready(status: Status) -> bool:
+    """Whether a bot is ready to play: when a player who is no bot is."""
+    return any(player.ready and not player.name.startswith(PREFIX) for player in status.players)
+
+
+class Bot:
+    """Signs in, plays, and does so again whatever is lost."""
+
+    def __init__(self, http: aiohttp.ClientSession, settings: Settings) -> None:
+        self._http = http
+        self._settings = settings
+        self._web = Web(http, settings.web_url)
+        self._eyes = Eyes(http, settings.view_url)
+        self._name = ""
+        self._told = ""
+        self._arena: Arena | None = None
+        self._mind: Mind | None = None
+
+    async def run(self) -> None:
+        """Play until cancelled; then sign out."""
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                tasks.create_task(self._eyes.watch())
+                tasks.create_task(self._play_for_ever())
+        finally:
+            await self._say_goodbye()
+
+    async def _play_for_ever(self) -> None:
+        while True:
+            robot = await self._sign_up()
+            try:
+                async with asyncio.TaskGroup() as tasks:
+                    tasks.create_task(self._stay_signed_in())
+                    tasks.create_task(self._use_rosbridge(robot))
+            except* SignedOutError:
+                self._tell(f"{self._name} is signed out by the server (robot or server lost); signing up again")
+                self._name = ""
+
+    async def _sign_up(self) -> int:
+        """Try until there is a name and a robot; returns the robot's ID."""
+        name = self._settings.name
+        while True:
+            try:
+                answer = await self._web.sign_up(name, self._settings.robot)
+            except GameError as error:
+                self._tell(f"{error}; waiting")
+            else:
+                match answer.get("status"), answer.get("robot"):
+                    case "OK", int(robot):
+                        self._name = name
+                        self._tell(f"signed up as {name}, driving robot {robot}")
+                        return robot
+                    case "UNAVAILABLE", _:
+                        name = following(name)
+                        continue
+                    case "NO_ROBOTS", _:
+                        self._tell("no robot is free; waiting")
+                    case "ROBOT_UNAVAILABLE", wanted:
+                        self._tell(f"robot {wanted} is not free; waiting")
+                    case _:
+                        self._tell(f"cannot sign up: {answer}; trying again")
+                name = self._settings.name
+            await asyncio.sleep(RETRY)
+
+    async def _stay_signed_in(self) -> None:
+        """Give signs of life; SignedOutError when the server does not know the player any more."""
+        while True:
+            try:
+                if not await self._web.is_signed_in(self._name):
+                    raise SignedOutError
+            except GameError as error:
+                self._tell(f"{error}; waiting")
+            await asyncio.sleep(HEARTBEAT)
+
+    async def _use_rosbridge(self, robot: int) -> None:
+        """For ever, through restarts of rosbridge."""
+        url = self._settings.rosbridge_url
+        while True:
+            try:
+                async with self._http.ws_connect(url, heartbeat=5) as socket, asyncio.TaskGroup() as tasks:
+                    rosbridge = Rosbridge(socket, robot)
+                    await rosbridge.start()
+                    self._tell(f"connected to rosbridge at {url}")
+                    playing = tasks.create_task(self._play(rosbridge, robot))
+                    await rosbridge.follow()
+                    playing.cancel()
+                self._tell("rosbridge has closed the connection; connecting again")
+            except* (aiohttp.ClientError, TimeoutError, OSError):
+                self._tell(f"no rosbridge at {url}; waiting")
+            await asyncio.sleep(RETRY)
+
+    async def _play(self, rosbridge: Rosbridge, robot: int) -> None:
+        """Drive while the battle lasts, agree on ready while it does not."""
+        next_ready = 0.0
+        loop = asyncio.get_running_loop()
+        while True:
+            status = rosbridge.status
+            me = next((player for player in status.players if player.name == self._name), None) if status else None
+            if status and me and status.game == 2 and me.ready and me.life > 0:
+                opponents = {p.robot for p in status.players if p.ready and p.life > 0 and p is not me}
+                await rosbridge.command(self._decide(loop.time(), robot, opponents))
+            else:  # rosbridge itself stops a robot whose driver may not drive any more
+                self._mind = None
+                if status and me and status.game != 2 and me.ready != wants_ready(status) and loop.time() > next_ready:
+                    next_ready = loop.time() + READY_PAUSE
+                    await self._set_ready(not me.ready)
+            await asyncio.sleep(TICK)
+
+    async def _set_ready(self, ready: bool) -> None:
+        try:
+            await self._web.set_ready(self._name, ready)
+            log.info("%s is %s", self._name, "ready" if ready else "not ready any more")
+        except GameError as error:
+            self._tell(f"{error}; waiting")
+
+    def _decide(self, now: float, robot: int, opponents: set[int]) -> Command:
+        """What to do now; nothing while the arena is not to be seen."""
+        robots = dict(self._eyes.robots())
+        me = robots.pop(robot, None)
+        arena = self._eyes.arena
+        if me is None or arena is None:
+            return NEUTRAL
+        if self._mind is None or arena is not self._arena:
+            self._arena = arena
+            self._mind = Mind(Course(arena.width, arena.height, arena.walls), random.Random())
+        return self._mind.decide(now, me, {number: pose.point for number, pose in robots.items()}, opponents)
+
+    async def _say_goodbye(self) -> None:
+        """rosbridge stops a robot whose driver's connection closes; the name and the robot are given back here."""
+        if self._name:
+            with contextlib.suppress(GameError, TimeoutError):
+                async with asyncio.timeout(GOODBYE_SECONDS):
+                    await self._web.sign_out(self._name)
+                    log.info("%s has signed out", self._name)
+
+    def _tell(self, text: str) -> None:
+        """Log what has changed; the same thing only once."""
+        if text != self._told:
+            log.info("%s", text)
+        self._told = text
+
+
+async def run(settings: Settings) -> None:
+    """Play until SIGINT or SIGTERM."""
+    jar = aiohttp.CookieJar(unsafe=True)  # unsafe: also keeps cookies of hosts that are given as IP addresses
+    async with aiohttp.ClientSession(cookie_jar=jar, timeout=aiohttp.ClientTimeout(total=3)) as http:
+        playing = asyncio.create_task(Bot(http, settings).run())
+        for signum in (signal.SIGINT, signal.SIGTERM):
+            asyncio.get_running_loop().add_signal_handler(signum, playing.cancel)
+        with contextlib.suppress(asyncio.CancelledError):
+            await playing
+
+
+def main() -> int:
+    """Exit code 0 after a signal, 2 for an impossible setting."""
+    parser = argparse.ArgumentParser(
+        "sim.bot", description=__doc__, epilog=HELP, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--name", default=f"{PREFIX}1", help="the player's name (default %(default)s)")
+    parser.add_argument("--robot", metavar="ID", help="drive this robot (default: the first that is free)")
+    parser.add_argument("--master", help="host of the web server and rosbridge (default: LASERBOT_MASTER)")
+    parser.add_argument("--arena", metavar="HOST:PORT", help="the arena's page (default: on the master)")
+    arguments = parser.parse_args()
+    try:
+        settings = Settings.read(os.environ, arguments.name, arguments.master, arguments.arena, arguments.robot)
+    except SettingsError as error:
+        print(f"bot: {error}", file=sys.stderr)
+        return 2
+    logging.basicConfig(level=settings.log_level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
+    asyncio.run(run(settings))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

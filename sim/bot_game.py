@@ -1,0 +1,177 @@
+"""What a browser can do in the battle: HTTP calls, rosbridge and the arena's public view."""
+
+import asyncio
+import json
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import aiohttp
+
+from sim.arena.geometry import Pose, Wall
+from sim.bot_mind import Command
+
+RETRY = 1.0  # s between attempts to connect
+BLIND_AFTER = 1.0  # s without a state of the arena
+
+log = logging.getLogger("bot")
+
+
+class GameError(Exception):
+    """The web server cannot be reached or does not make sense; the text says why."""
+
+
+@dataclass(frozen=True)
+class Player:
+    """A signed-in player as /game_status shows him."""
+
+    name: str
+    robot: int
+    life: int
+    ready: bool
+
+
+@dataclass(frozen=True)
+class Status:
+    """The battle's state: `game` is 0 stopped, 1 countdown or 2 playing."""
+
+    game: int
+    players: tuple[Player, ...]
+
+    @classmethod
+    def from_message(cls, message: Mapping[str, Any]) -> "Status":
+        """From a GameStatus as rosbridge sends it; KeyError, TypeError or ValueError if it is none."""
+        players = tuple(
+            Player(str(user["name"]), int(user["robot"]), int(user["life"]), bool(user["ready"]))
+            for user in message["users"]
+        )
+        return cls(int(message["game"]), players)
+
+
+class Web:
+    """The web server's HTTP interface (behaviour as the player's page uses it)."""
+
+    def __init__(self, http: aiohttp.ClientSession, url: str) -> None:
+        self._http = http
+        self._url = url
+
+    async def sign_up(self, name: str, robot: int | None) -> dict[str, Any]:
+        """As `name`, with a wish for that robot or (None) any."""
+        return await self._post("signUpUser", data=name, **({} if robot is None else {"robot": str(robot)}))
+
+    async def sign_out(self, name: str) -> dict[str, Any]:
+        return await self._post("signOutUser", data=name)
+
+    async def set_ready(self, name: str, ready: bool) -> dict[str, Any]:
+        return await self._post("playerReady", user=name, ready=str(int(ready)))
+
+    async def is_signed_in(self, name: str) -> bool:
+        """Also a sign of life, which the server wants at least every 15 s."""
+        status = await self._post("updateGameStatus", data="data")
+        try:
+            return any(user["name"] == name for user in json.loads(status["users"]))
+        except (KeyError, TypeError, ValueError) as error:
+            raise GameError(f"the server's status is not understood: {error!r}") from None
+
+    async def _post(self, call: str, **form: str) -> dict[str, Any]:
+        """The JSON object that the server answers; GameError."""
+        try:
+            async with self._http.post(f"{self._url}/{call}", data=form) as response:
+                answer = json.loads(await response.text())
+        except (aiohttp.ClientError, TimeoutError, OSError, ValueError) as error:
+            raise GameError(f"no game server at {self._url}: {error or type(error).__name__}") from None
+        if not isinstance(answer, dict):
+            raise GameError(f"{call}: the server's answer is no object")
+        return answer
+
+
+class Rosbridge:
+    """An open connection to rosbridge that may drive one robot; the session's cookie says whose it is."""
+
+    def __init__(self, socket: aiohttp.ClientWebSocketResponse, robot: int) -> None:
+        self._socket = socket
+        self._topic = f"/Robot{robot}/command"
+        self.status: Status | None = None
+
+    async def start(self) -> None:
+        """Ask for the battle's state and announce the commands."""
+        await self._socket.send_json({"op": "subscribe", "topic": "/game_status"})
+        await self._socket.send_json({"op": "advertise", "topic": self._topic, "type": "laser_bot_battle/Robot_msg"})
+
+    async def follow(self) -> None:
+        """Keep `status` new until the connection ends."""
+        async for frame in self._socket:
+            if frame.type is not aiohttp.WSMsgType.TEXT:
+                continue
+            try:
+                message = json.loads(frame.data)
+                if message.get("op") == "publish" and message.get("topic") == "/game_status":
+                    self.status = Status.from_message(message["msg"])
+                elif message.get("op") == "status" and message.get("level") in {"error", "warning"}:
+                    log.warning("rosbridge: %s", message.get("msg"))
+            except (AttributeError, KeyError, TypeError, ValueError) as error:
+                log.warning("a message of rosbridge is not understood: %r", error)
+
+    async def command(self, command: Command) -> None:
+        await self._socket.send_json(
+            {
+                "op": "publish",
+                "topic": self._topic,
+                "msg": {"linear_x": command.linear_x, "angular_z": command.angular_z, "shoot": command.shoot},
+            }
+        )
+
+
+@dataclass(frozen=True)
+class Arena:
+    """What does not change in the arena."""
+
+    width: float
+    height: float
+    walls: Sequence[Wall]
+
+
+class Eyes:
+    """Watches the arena's public view."""
+
+    def __init__(self, http: aiohttp.ClientSession, url: str) -> None:
+        self._http = http
+        self._url = url
+        self._robots: dict[int, Pose] = {}
+        self._seen_at = 0.0
+        self.arena: Arena | None = None
+
+    def robots(self) -> dict[int, Pose]:
+        """Where the robots are now, by ID; empty when the arena is not to be seen."""
+        late = asyncio.get_running_loop().time() - self._seen_at
+        return self._robots if late < BLIND_AFTER else {}
+
+    async def watch(self) -> None:
+        """For ever, through restarts of the arena."""
+        told = False
+        while True:
+            try:
+                async with self._http.ws_connect(self._url, heartbeat=5) as socket:
+                    log.info("watching the arena at %s", self._url)
+                    told = False
+                    async for frame in socket:
+                        if frame.type is aiohttp.WSMsgType.TEXT:
+                            self._take(json.loads(frame.data))
+            except (aiohttp.ClientError, TimeoutError, OSError, KeyError, TypeError, ValueError) as error:
+                if not told:
+                    log.warning("the arena at %s is not to be seen: %s; standing still", self._url, error)
+                told = True
+            await asyncio.sleep(RETRY)
+
+    def _take(self, message: Mapping[str, Any]) -> None:
+        if message["type"] == "arena":
+            walls = [(float(x1), float(y1), float(x2), float(y2)) for x1, y1, x2, y2 in message["walls"]]
+            self.arena = Arena(float(message["width"]), float(message["height"]), walls)
+        elif message["type"] == "state":
+            self._robots = {
+                int(robot["id"]): Pose(float(robot["x"]), float(robot["y"]), float(robot["heading"]))
+                for robot in message["robots"]
+                if robot["id"] is not None
+            }
+            self._seen_at = asyncio.get_running_loop().time()

@@ -1,0 +1,73 @@
+"""The bot's configuration, from LASERBOT_ variables and arguments."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from sim.environment import SettingsError, parse_port, read_log_level, read_port
+
+PREFIX = "Bot"  # of every bot's name: a bot fights only when somebody plays whose name does not begin so
+_ROBOT = re.compile(r"[0-9]{1,3}")
+_NAME = re.compile(PREFIX + r"[A-Za-z0-9_]{0,13}")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Who the bot is and where the others are."""
+
+    name: str
+    robot: int | None  # the ID of the robot to drive, None for any
+    master: str
+    web_port: int
+    rosbridge_port: int
+    arena_host: str
+    arena_port: int
+    log_level: str
+
+    @classmethod
+    def read(
+        cls,
+        env: Mapping[str, str],
+        name: str = "Bot1",
+        master: str | None = None,
+        arena: str | None = None,
+        robot: str | None = None,
+    ) -> "Settings":
+        """`arena` = "host:port". SettingsError if a value is impossible; an empty variable counts as not set."""
+        if not _NAME.fullmatch(name):
+            raise SettingsError(f"--name {name}: must be {PREFIX} and up to 13 letters, digits or _")
+        if robot is not None and not _ROBOT.fullmatch(robot):
+            raise SettingsError(f"--robot {robot}: must be the ID of a robot")
+        master = master or env.get("LASERBOT_MASTER") or "laser_bot_master.local"
+        host, colon, port = (arena or "").rpartition(":")
+        if arena and not (colon and host):
+            raise SettingsError(f"--arena {arena}: must be HOST:PORT")
+        return cls(
+            name=name,
+            robot=None if robot is None else int(robot),
+            master=master,
+            web_port=read_port(env, "LASERBOT_WEB_PORT", 5000),
+            rosbridge_port=read_port(env, "LASERBOT_ROSBRIDGE_PORT", 9090),
+            arena_host=host or master,
+            arena_port=parse_port(port, "--arena port") if arena else read_port(env, "LASERBOT_ARENA_PORT", 8080),
+            log_level=read_log_level(env),
+        )
+
+    @property
+    def web_url(self) -> str:
+        return f"http://{self.master}:{self.web_port}"
+
+    @property
+    def rosbridge_url(self) -> str:
+        return f"ws://{self.master}:{self.rosbridge_port}"
+
+    @property
+    def view_url(self) -> str:
+        return f"ws://{self.arena_host}:{self.arena_port}/view"
+
+
+def following(name: str) -> str:
+    """The name to try when `name` is taken: Bot -> Bot2, Bot1 -> Bot2, Bot_9 -> Bot_10; at most 16 letters."""
+    stem = name.rstrip("0123456789")
+    number = str(int(name[len(stem) :] or "1") + 1)
+    return stem[: 16 - len(number)] + number

@@ -1,0 +1,88 @@
+"""A battle without robots, server or real time: minds command, wheels turn as the firmware turns them."""
+
+import random
+from collections import deque
+from collections.abc import Callable, Mapping
+
+from sim.arena.floor import BATTLE_FLOOR, Floor
+from sim.arena.geometry import Point, Pose
+from sim.arena.world import World
+from sim.bot_course import Course
+from sim.bot_mind import AVERAGE, NEUTRAL, Command, Mind, Skill
+
+TICK = 0.04  # s between two commands
+LATE_TICKS = 2  # from the arena's state to wheels that obey
+SPEED = 1024  # half-steps/s
+CURVE = 0.7
+PULSE = 0.5  # s
+
+Player = Callable[[float, Pose, Mapping[int, Point]], Command]
+
+
+def bot(seed: int, skill: Skill = AVERAGE, floor: Floor = BATTLE_FLOOR) -> Player:
+    """A bot that fights everyone."""
+    mind = Mind(Course(floor.width, floor.height, floor.walls), random.Random(seed), skill)
+    return lambda now, me, others: mind.decide(now, me, others, set(others))
+
+
+def idle(_now: float, _me: Pose, _others: Mapping[int, Point]) -> Command:
+    """Somebody who does nothing."""
+    return NEUTRAL
+
+
+def wheel_speeds(command: Command) -> tuple[float, float]:
+    """Half-steps/s (left, right), signed as the firmware's movement table."""
+    linear, angular = command.linear_x, command.angular_z
+    if linear == 0:
+        return -SPEED * angular, -SPEED * angular
+    left, right = -SPEED * linear, SPEED * linear
+    return (left * CURVE if angular < 0 else left), (right * CURVE if angular > 0 else right)
+
+
+class Duel:
+    """Players by robot ID in a world; time passes by `run`."""
+
+    def __init__(self, players: Mapping[int, Player], floor: Floor = BATTLE_FLOOR) -> None:
+        self.world = World(floor)
+        self.now = 0.0
+        self.shots: dict[int, list[float]] = {number: [] for number in players}
+        self._players = players
+        self._wheels = dict.fromkeys(players, (0.0, 0.0))
+        self._pending = {number: deque([NEUTRAL] * LATE_TICKS) for number in players}
+        for number in players:
+            self.world.arrive(f"virtual{number}")
+            self.world.turn_wheels(f"virtual{number}", 0, 0)
+
+    def hits(self, number: int) -> int:
+        return self.world.robots[f"virtual{number}"].hits
+
+    def place(self, number: int, pose: Pose) -> None:
+        self.world.robots[f"virtual{number}"].pose = pose
+
+    def pose(self, number: int) -> Pose:
+        return self.world.robots[f"virtual{number}"].pose
+
+    def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> float:
+        """Let time pass; returns the time at which `until` became true, or the time after `seconds`."""
+        end = self.now + seconds
+        while self.now < end and not until():
+            poses = {number: self.pose(number) for number in self._players}
+            for number, player in self._players.items():
+                others = {other: pose.point for other, pose in poses.items() if other != number}
+                self._pending[number].append(player(self.now, poses[number], others))
+                self._obey(number, self._pending[number].popleft())
+            self.world.update_light()
+            self.now += TICK
+        return self.now
+
+    def _obey(self, number: int, command: Command) -> None:
+        name = f"virtual{number}"
+        speeds = wheel_speeds(command)
+        left, right = (at + speed * TICK for at, speed in zip(self._wheels[number], speeds, strict=True))
+        self._wheels[number] = (left, right)
+        self.world.turn_wheels(name, round(left), round(right))
+        lit_since = self.shots[number][-1] if self.shots[number] else -PULSE
+        if command.shoot and self.now - lit_since >= PULSE:
+            self.shots[number].append(self.now)
+            lit_since = self.now
+        self.world.set_beam(name, self.now - lit_since < PULSE)

@@ -1,0 +1,66 @@
+"""The bot's configuration and when it plays."""
+
+import pytest
+
+from sim.bot import wants_ready
+from sim.bot_game import Player, Status
+from sim.bot_settings import Settings, following
+from sim.environment import SettingsError
+
+
+def status(game: int, **ready: bool) -> Status:
+    return Status(game, tuple(Player(name, n, 100, is_ready) for n, (name, is_ready) in enumerate(ready.items())))
+
+
+def test_it_is_ready_when_a_human_is() -> None:
+    assert wants_ready(status(0, Bot1=False, Ann=True))
+
+
+@pytest.mark.parametrize(
+    "players", [{}, {"Bot1": True}, {"Bot1": True, "Bot2": True}, {"Bot1": True, "Ann": False}], ids=str
+)
+def test_it_is_not_ready_without_a_ready_human(players: dict[str, bool]) -> None:
+    assert not wants_ready(status(1, **players))
+
+
+def test_a_status_is_read_from_rosbridge() -> None:
+    user = {"name": "Ann", "robot": 3, "life": 90, "ready": True, "avatar": 0, "place": 0, "left": False, "session": ""}
+    assert Status.from_message({"game": 2, "users": [user], "result": []}) == Status(2, (Player("Ann", 3, 90, True),))
+
+
+def test_taken_names_are_counted_on() -> None:
+    assert [following(name) for name in ("Bot", "Bot1", "Bot_9", "BotNumberNine999")] == [
+        "Bot2", "Bot2", "Bot_10", "BotNumberNin1000",
+    ]  # fmt: skip
+
+
+def test_everything_is_on_the_master_by_default() -> None:
+    settings = Settings.read({"LASERBOT_MASTER": "10.0.0.5", "LASERBOT_ARENA_PORT": "8090"})
+    assert settings.web_url == "http://10.0.0.5:5000"
+    assert settings.rosbridge_url == "ws://10.0.0.5:9090"
+    assert settings.view_url == "ws://10.0.0.5:8090/view"
+
+
+def test_the_arena_may_be_elsewhere() -> None:
+    settings = Settings.read({}, master="master", arena="other:81")
+    assert (settings.web_url, settings.view_url) == ("http://master:5000", "ws://other:81/view")
+
+
+@pytest.mark.parametrize(
+    ("env", "arguments"),
+    [
+        ({"LASERBOT_WEB_PORT": "http"}, {}),
+        ({"LASERBOT_ROSBRIDGE_PORT": "65536"}, {}),
+        ({"LASERBOT_LOG_LEVEL": "loud"}, {}),
+        ({}, {"name": "Ann"}),
+        ({}, {"name": "Bot with spaces"}),
+        ({}, {"name": "Bot" + "x" * 14}),
+        ({}, {"arena": "host"}),
+        ({}, {"arena": "host:door"}),
+        ({}, {"arena": ":80"}),
+    ],
+    ids=str,
+)
+def test_impossible_settings_are_refused(env: dict[str, str], arguments: dict[str, str]) -> None:
+    with pytest.raises(SettingsError):
+        Settings.read(env, **arguments)
