@@ -1,0 +1,249 @@
+#include "arena_link.h"
+
+#include "arena_socket.h"
+
+#include <errno.h>
+#include <inttypes.h>
+#include <poll.h>
+#include <pthread.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+	LIGHT_CHANGES = 64,    /* more than these wait in the socket */
+	LINE_MAX_BYTES = 256,  /* the longest line that makes sense */
+	WHEELS_EVERY_MS = 10,
+	RECONNECT_AFTER_S = 1,
+};
+
+struct robot_state {
+	int64_t left, right;
+	bool beam;
+};
+
+struct arena_link {
+	struct address arena;
+	char robot[ROBOT_NAME_MAX + 1];
+	int wake; /* eventfd: the beam has changed */
+
+	pthread_mutex_t lock; /* guards what follows */
+	struct robot_state state;
+	bool lights[LIGHT_CHANGES]; /* ring */
+	size_t lights_start, lights_length;
+};
+
+/* One connection; only the thread knows it. */
+struct connection {
+	int socket;
+	char line[LINE_MAX_BYTES];
+	size_t line_length;
+	struct robot_state told;
+	bool light; /* last change handed on to the robot */
+};
+
+static struct robot_state current_state(struct arena_link *link)
+{
+	pthread_mutex_lock(&link->lock);
+	const struct robot_state state = link->state;
+	pthread_mutex_unlock(&link->lock);
+	return state;
+}
+
+static size_t light_room(struct arena_link *link)
+{
+	pthread_mutex_lock(&link->lock);
+	const size_t room = LIGHT_CHANGES - link->lights_length;
+	pthread_mutex_unlock(&link->lock);
+	return room;
+}
+
+static void change_light(struct arena_link *link, struct connection *connection, bool light)
+{
+	if (light == connection->light)
+		return;
+	connection->light = light;
+	pthread_mutex_lock(&link->lock);
+	if (link->lights_length < LIGHT_CHANGES)
+		link->lights[(link->lights_start + link->lights_length++) % LIGHT_CHANGES] = light;
+	pthread_mutex_unlock(&link->lock);
+}
+
+/* False: the connection is of no use any more. A message that does not fit means an arena that reads nothing. */
+static bool tell(const struct connection *connection, const char *message, int length)
+{
+	return send(connection->socket, message, (size_t)length, MSG_NOSIGNAL | MSG_DONTWAIT) == length;
+}
+
+static bool tell_wheels(struct connection *connection, const struct robot_state *state)
+{
+	char line[64];
+
+	connection->told.left = state->left;
+	connection->told.right = state->right;
+	return tell(connection, line, snprintf(line, sizeof line, "wheels %" PRId64 " %" PRId64 "\n", state->left, state->right));
+}
+
+static bool tell_beam(struct connection *connection, const struct robot_state *state)
+{
+	connection->told.beam = state->beam;
+	return tell(connection, state->beam ? "beam 1\n" : "beam 0\n", 7);
+}
+
+static bool say_hello(struct arena_link *link, struct connection *connection)
+{
+	char line[ROBOT_NAME_MAX + 16];
+	const struct robot_state state = current_state(link);
+
+	return tell(connection, line, snprintf(line, sizeof line, "robot %s\n", link->robot)) &&
+	       tell_wheels(connection, &state) && tell_beam(connection, &state);
+}
+
+static void obey(struct arena_link *link, struct connection *connection, const char *line)
+{
+	if (strcmp(line, "light 1") == 0)
+		change_light(link, connection, true);
+	else if (strcmp(line, "light 0") == 0)
+		change_light(link, connection, false);
+	else if (strncmp(line, "error ", 6) == 0)
+		fprintf(stderr, "avr_robot %s: the arena says: %s\n", link->robot, line + 6);
+	/* anything else: from a newer arena, perhaps */
+}
+
+/* Read whole lines; at most as many bytes as changes of light can be kept. False when the arena has gone. */
+static bool listen_to_arena(struct arena_link *link, struct connection *connection, size_t room)
+{
+	char bytes[LIGHT_CHANGES];
+	const ssize_t length = recv(connection->socket, bytes, room < sizeof bytes ? room : sizeof bytes, MSG_DONTWAIT);
+
+	if (length == 0)
+		return false;
+	if (length < 0)
+		return errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+	for (ssize_t i = 0; i < length; i++) {
+		if (bytes[i] != '\n') {
+			if (connection->line_length + 1 == sizeof connection->line)
+				return false; /* this is no arena */
+			connection->line[connection->line_length++] = bytes[i];
+			continue;
+		}
+		connection->line[connection->line_length] = '\0';
+		connection->line_length = 0;
+		obey(link, connection, connection->line);
+	}
+	return true;
+}
+
+static uint64_t now_us(void)
+{
+	struct timespec now;
+	clock_gettime(CLOCK_MONOTONIC, &now);
+	return (uint64_t)now.tv_sec * 1000000u + (uint64_t)now.tv_nsec / 1000u;
+}
+
+static void converse(struct arena_link *link, struct connection *connection)
+{
+	uint64_t wheels_told = now_us();
+	uint64_t beam_changes;
+
+	if (!say_hello(link, connection))
+		return;
+	for (;;) {
+		const size_t room = light_room(link);
+		struct pollfd events[2] = {
+			{.fd = connection->socket, .events = room ? POLLIN : 0},
+			{.fd = link->wake, .events = POLLIN},
+		};
+		poll(events, 2, WHEELS_EVERY_MS);
+		if (events[1].revents && read(link->wake, &beam_changes, sizeof beam_changes) < 0)
+			return;
+		if (events[0].revents && !listen_to_arena(link, connection, room))
+			return;
+		const struct robot_state state = current_state(link);
+		if (state.beam != connection->told.beam && !tell_beam(connection, &state))
+			return;
+		if ((state.left != connection->told.left || state.right != connection->told.right) &&
+		    now_us() - wheels_told >= 1000 * WHEELS_EVERY_MS) {
+			wheels_told = now_us();
+			if (!tell_wheels(connection, &state))
+				return;
+		}
+	}
+}
+
+static void *run(void *param)
+{
+	struct arena_link *link = param;
+	bool missing_told = false;
+
+	for (;;) {
+		const char *fault = NULL;
+		struct connection connection = {.socket = arena_socket_connect(&link->arena, &fault)};
+
+		if (connection.socket >= 0) {
+			missing_told = false;
+			fprintf(stderr, "avr_robot %s: in the arena at %s:%s\n", link->robot, link->arena.host, link->arena.port);
+			converse(link, &connection);
+			fprintf(stderr, "avr_robot %s: the arena has closed the connection; reconnecting\n", link->robot);
+			close(connection.socket);
+			while (light_room(link) == 0)
+				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+			change_light(link, &connection, false);
+		} else if (!missing_told) {
+			missing_told = true;
+			fprintf(stderr, "avr_robot %s: no arena at %s:%s (%s); trying every second\n", link->robot,
+			        link->arena.host, link->arena.port, fault);
+		}
+		nanosleep(&(struct timespec){.tv_sec = RECONNECT_AFTER_S}, NULL);
+	}
+	return NULL;
+}
+
+struct arena_link *arena_link_start(const struct address *arena, const char *robot)
+{
+	struct arena_link *link = calloc(1, sizeof *link);
+	pthread_t thread;
+
+	if (!link)
+		return NULL;
+	link->arena = *arena;
+	snprintf(link->robot, sizeof link->robot, "%s", robot);
+	link->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+	pthread_mutex_init(&link->lock, NULL);
+	if (link->wake < 0 || pthread_create(&thread, NULL, run, link) != 0) {
+		fprintf(stderr, "avr_robot: cannot start the thread of the arena link: %s\n", strerror(errno));
+		free(link);
+		return NULL;
+	}
+	pthread_detach(thread);
+	return link;
+}
+
+void arena_link_publish(struct arena_link *link, int64_t left, int64_t right, bool beam)
+{
+	const uint64_t one = 1;
+
+	pthread_mutex_lock(&link->lock);
+	const bool urgent = beam != link->state.beam;
+	link->state = (struct robot_state){.left = left, .right = right, .beam = beam};
+	pthread_mutex_unlock(&link->lock);
+	if (urgent && write(link->wake, &one, sizeof one) < 0)
+		return; /* the thread looks by itself within 10 ms */
+}
+
+bool arena_link_take_light(struct arena_link *link, bool *light)
+{
+	pthread_mutex_lock(&link->lock);
+	const bool any = link->lights_length > 0;
+	if (any) {
+		*light = link->lights[link->lights_start];
+		link->lights_start = (link->lights_start + 1) % LIGHT_CHANGES;
+		link->lights_length--;
+	}
+	pthread_mutex_unlock(&link->lock);
+	return any;
+}

@@ -1,0 +1,28 @@
+/* The command line. */
+#ifndef AVR_ROBOT_OPTIONS_H
+#define AVR_ROBOT_OPTIONS_H
+
+#include <stdbool.h>
+
+enum { ROBOT_NAME_MAX = 32 };
+
+struct address {
+	char host[256];
+	char port[6]; /* decimal, checked */
+};
+
+struct options {
+	const char *firmware;
+	const char *name;
+	const char *pty_link;  /* path of the UART's symlink, or NULL */
+	bool tcp;              /* UART on a TCP port: */
+	struct address listen;
+	bool arena;            /* connect to an arena: */
+	struct address arena_address;
+	bool trace;
+};
+
+/* Exits: 0 after --help, 2 with one line on stderr when something is wrong. */
+struct options options_parse(int argc, char **argv);
+
+#endif

@@ -1,0 +1,27 @@
+/* The host's end of the serial cable: a pseudo terminal or a TCP port. Never blocks. */
+#ifndef AVR_ROBOT_SERIAL_LINE_H
+#define AVR_ROBOT_SERIAL_LINE_H
+
+#include "options.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct serial_line {
+	/* Up to `size` bytes that the host has sent; 0 if none. */
+	size_t (*receive)(struct serial_line *line, uint8_t *bytes, size_t size);
+	/* Bytes for the host. What does not fit, or nobody listens to, is lost as on a real cable. */
+	void (*transmit)(struct serial_line *line, const uint8_t *bytes, size_t length);
+	/* Leave nothing behind and free `line`. */
+	void (*close)(struct serial_line *line);
+	char address[512]; /* for people */
+};
+
+/* A pseudo terminal behind the symlink `link`; NULL with a line on stderr if that cannot be made. */
+struct serial_line *serial_pty_open(const char *link);
+
+/* A TCP port with one client at a time; NULL with a line on stderr if it cannot be had. */
+struct serial_line *serial_tcp_open(const struct address *listen_at);
+
+#endif

@@ -1,0 +1,315 @@
+"""The whole chain, measured: key to coil, light to life, stop times, stepper speed; 4 virtual robots, real Chromium.
+
+Run by `make bench`. Robot 3 is started here, with a trace of its pins and a light switch in place of the arena; robots
+0 to 2 are a normal demo and are driven at 40 Hz all the while. Times are CLOCK_MONOTONIC of this machine throughout.
+"""
+
+import contextlib
+import os
+import queue
+import signal
+import socket
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from playwright.sync_api import Browser, Page, sync_playwright
+
+from tests.browser.conftest import FLAGS
+from tests.support.battle import Battle
+from tests.support.player import Player
+from tests.support.polling import until
+from tests.support.programs import ROOT, Program
+
+AVR_HZ = 16_000_000
+PRESSES = 200
+HITS = 50  # the IR traffic of the speed measurement takes some of the 100 lives, too
+CUTS = 10
+STILL = 0.15  # s without a step = standing
+
+# Runs in the page: wall-clock times (ms) of key presses, and of changes of the other players' list.
+STOPWATCH = """() => {
+  window.stopwatch = {keys: [], lives: []};
+  const clock = stamp => performance.timeOrigin + stamp;
+  addEventListener('keydown', event => { if (!event.repeat) stopwatch.keys.push(clock(event.timeStamp)); }, true);
+  let before = '';
+  const look = () => {
+    const now = document.getElementById('userList').innerText;
+    if (now !== before) { before = now; stopwatch.lives.push(clock(performance.now())); }
+  };
+  new MutationObserver(look).observe(document.getElementById('userList'),
+    {subtree: true, childList: true, characterData: true, attributes: true});
+}"""
+
+
+class TracedRobot:
+    """Robot 3: the firmware in the simulator with a trace, its serial node, and a light switch."""
+
+    def __init__(self, battle: Battle, folder: Path) -> None:
+        self.steps: queue.SimpleQueue[tuple[float, int, str]] = queue.SimpleQueue()  # (s, AVR cycles, wheel)
+        self.lit: queue.SimpleQueue[float] = queue.SimpleQueue()  # s
+        arena = socket.create_server(("127.0.0.1", 0))
+        serial = folder / "ttyACM0"
+        self.simulator = subprocess.Popen(
+            [
+                ROOT / "build/sim/avr_robot",
+                "--firmware",
+                ROOT / "build/firmware/laserbot.elf",
+                "--name",
+                "virtual3",
+                "--serial",
+                serial,
+                "--arena",
+                f"127.0.0.1:{arena.getsockname()[1]}",
+                "--trace",
+            ],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            text=True,
+        )
+        self.link = arena.accept()[0]
+        arena.close()
+        threading.Thread(target=self._read_trace, daemon=True).start()
+        threading.Thread(target=self._drain_link, daemon=True).start()
+        until(serial.exists, 5)
+        self.client = Program.python(
+            "robot.id_service_client",
+            env={
+                **{variable: str(port) for variable, port in battle.ports.items()},
+                "PYTHONPATH": f"{ROOT}:{ROOT / 'build' / 'python'}",
+                "LASERBOT_MASTER": "127.0.0.1",
+                "LASERBOT_ROBOT_NAME": "virtual3",
+                "LASERBOT_SERIAL": str(serial),
+                "ROS_MASTER_URI": f"http://127.0.0.1:{battle.ports['LASERBOT_ROS_PORT']}",
+                "ROS_IP": "127.0.0.1",
+                "ROS_LOG_DIR": str(folder),
+                "ROS_HOME": str(folder),
+            },
+        )
+
+    def _read_trace(self) -> None:
+        assert self.simulator.stdout
+        for line in self.simulator.stdout:
+            stamp, cycles, event, *words = line.split()
+            if event == "coil":
+                self.steps.put((int(stamp) / 1e9, int(cycles), words[0]))
+            elif event == "light" and words[0] == "1":
+                self.lit.put(int(stamp) / 1e9)
+
+    def _drain_link(self) -> None:
+        with contextlib.suppress(OSError):
+            while self.link.recv(4096):
+                pass
+
+    def light(self, on: bool) -> None:
+        self.link.sendall(b"light 1\n" if on else b"light 0\n")
+
+    def first_step_after(self, moment: float, seconds: float = 2.0) -> float:
+        """The time of the first half-step after `moment`. Raises queue.Empty when there is none in time."""
+        while True:
+            stamp = self.steps.get(timeout=seconds)[0]
+            if stamp > moment:
+                return stamp
+
+    def last_step(self) -> float:
+        """Wait until the wheels stand; the time of their last half-step (0 when there was none)."""
+        last = 0.0
+        with contextlib.suppress(queue.Empty):
+            while True:
+                last = self.steps.get(timeout=STILL)[0]
+        return last
+
+    def serial_node(self) -> int:
+        """The process of robot 3's serial node."""
+        return int(
+            Path(f"/proc/{self.client.process.pid}/task/{self.client.process.pid}/children").read_text().split()[0]
+        )
+
+    def stop(self) -> None:
+        self.client.stop()
+        self.simulator.terminate()
+        self.simulator.wait()
+        self.link.close()
+
+
+def report(what: str, seconds: list[float], budget: str) -> None:
+    """One line: count, p50, p99 and worst in ms."""
+    ordered = sorted(1000 * value for value in seconds)
+    p99 = ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))]
+    print(
+        f"{what:<52} n={len(ordered):<4} p50 {statistics.median(ordered):6.1f} ms   p99 {p99:6.1f} ms   "
+        f"max {ordered[-1]:6.1f} ms   (budget {budget})",
+        flush=True,
+    )
+
+
+def monotonic_of(wall_ms: float) -> float:
+    """A page's wall-clock time (ms) on the monotonic clock (s) of this machine."""
+    return wall_ms / 1000 - (time.time() - time.monotonic())
+
+
+@contextlib.contextmanager
+def traffic(players: list[Player]) -> Iterator[None]:
+    """The other robots drive in circles at 40 Hz, as players who hold a key."""
+    end = threading.Event()
+
+    def drive() -> None:
+        while not end.wait(0.025):
+            for player in players:
+                player.drive(0, 1)
+
+    thread = threading.Thread(target=drive)
+    thread.start()
+    try:
+        yield
+    finally:
+        end.set()
+        thread.join()
+
+
+def log_in(browser: Browser, battle: Battle, name: str) -> Page:
+    page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
+    page.goto(battle.web)
+    page.locator("#username").fill(name)
+    page.locator("#username").press("Enter")
+    page.wait_for_url("**/home")
+    return page
+
+
+def key_to_coil(page: Page, robot: TracedRobot) -> None:
+    latencies = []
+    for _ in range(PRESSES):
+        robot.last_step()
+        page.keyboard.down("ArrowUp")
+        pressed = monotonic_of(page.evaluate("stopwatch.keys.at(-1)"))
+        latencies.append(robot.first_step_after(pressed) - pressed)
+        page.keyboard.up("ArrowUp")
+    report("key press -> first coil change", latencies, "p50 <= 10, p99 <= 50 ms")
+
+
+def release_to_still(page: Page, robot: TracedRobot) -> None:
+    times = []
+    for _ in range(CUTS):
+        page.keyboard.down("ArrowUp")
+        robot.first_step_after(time.monotonic())
+        released = time.monotonic()
+        page.keyboard.up("ArrowUp")
+        times.append(max(0.0, robot.last_step() - released))
+    report("key released -> wheels still", times, "350 ms")
+
+
+def light_to_life(page: Page, robot: TracedRobot) -> None:
+    """`page` is another player's: it shows the life of the one who is hit."""
+    latencies = []
+    while not robot.lit.empty():  # of earlier measurements
+        robot.lit.get()
+    for _ in range(HITS):
+        shown = page.evaluate("stopwatch.lives.length")
+        robot.light(True)
+        lit = robot.lit.get(timeout=2)
+        until(lambda shown=shown: page.evaluate("stopwatch.lives.length") > shown, 5, "the page shows the hit")
+        latencies.append(monotonic_of(page.evaluate(f"stopwatch.lives[{shown}]")) - lit)
+        robot.light(False)
+        time.sleep(0.15)  # the next light pulse must be another hit: at most one per 100 ms
+    report("IR edge -> life on another player's page", latencies, "p99 <= 150 ms")
+
+
+def stepper_speed(page: Page, robot: TracedRobot) -> None:
+    """Half-steps per second of AVR time at full command, with 40 Hz commands and IR traffic."""
+    robot.last_step()
+    page.keyboard.down("ArrowUp")
+    robot.first_step_after(time.monotonic())
+    cycles: dict[str, list[int]] = {"left": [], "right": []}
+    end = time.monotonic() + 3
+    switch = True
+    while time.monotonic() < end:
+        robot.light(switch)
+        switch = not switch
+        with contextlib.suppress(queue.Empty):
+            for _ in range(200):
+                _, now, wheel = robot.steps.get(timeout=0.2)
+                cycles[wheel].append(now)
+    page.keyboard.up("ArrowUp")
+    robot.light(False)
+    for wheel, stamps in cycles.items():
+        speed = (len(stamps) - 1) * AVR_HZ / (stamps[-1] - stamps[0])
+        print(
+            f"stepper speed, {wheel} wheel, {len(stamps)} half-steps: {speed:.1f} half-steps/s (budget 1024 +-1 %)",
+            flush=True,
+        )
+
+
+def cut(what: str, page: Page, robot: TracedRobot, sever: Callable[[], object], mend: Callable[[], object]) -> None:
+    """From the cut to the last half-step, while the key is held."""
+    times = []
+    for _ in range(CUTS):
+        robot.last_step()
+        page.keyboard.down("ArrowUp")
+        robot.first_step_after(time.monotonic())
+        moment = time.monotonic()
+        sever()
+        times.append(max(0.0, robot.last_step() - moment))
+        mend()
+        page.keyboard.up("ArrowUp")
+    report(f"stream cut at {what} -> wheels still", times, "350 ms")
+
+
+def measure(battle: Battle, browser: Browser, folder: Path) -> None:
+    with contextlib.ExitStack() as stack:
+        others = [stack.enter_context(Player(battle, f"Other{number}")) for number in range(3)]
+        robot = TracedRobot(battle, folder)
+        stack.callback(robot.stop)
+        until(lambda: others[0].post("getAvailableRobots")["availableR"] == 1, 20, "robot 3 is registered")
+        driver = log_in(browser, battle, "Driver")
+        # a fifth page needs a robot to log in: the watcher takes over one of the others
+        others.pop().__exit__()
+        watcher = log_in(browser, battle, "Watcher")
+        for page in (driver, watcher):
+            page.evaluate(STOPWATCH)
+            page.locator("#ready-btn").click()
+        for player in others:
+            player.ready()
+        until(lambda: "PLAY!" in driver.locator("#game-status").inner_text(), 15, "the battle begins")
+        driver.bring_to_front()
+        with traffic(others):
+            key_to_coil(driver, robot)
+            release_to_still(driver, robot)
+            stepper_speed(driver, robot)
+            rosbridge = battle.pid(r"python3 -m server\.rosbridge")
+            for what, pid in (
+                ("rosbridge (stands still)", rosbridge),
+                ("the serial node (stands still)", robot.serial_node()),
+            ):
+                cut(
+                    what,
+                    driver,
+                    robot,
+                    lambda pid=pid: os.kill(pid, signal.SIGSTOP),
+                    lambda pid=pid: os.kill(pid, signal.SIGCONT),
+                )
+            light_to_life(watcher, robot)
+
+
+def main() -> None:
+    rules = {"LASERBOT_HIT_DAMAGE": "1", "LASERBOT_COUNTDOWN": "1", "LASERBOT_BATTLE_LIMIT": "3600"}
+    started = time.monotonic()
+    with (
+        tempfile.TemporaryDirectory(prefix="laserbot-bench-") as folder,
+        Battle(robots=3, **rules) as battle,
+        sync_playwright() as playwright,
+    ):
+        print(f"ci/demo --robots 3: ready after {time.monotonic() - started:.1f} s", flush=True)
+        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
+        try:
+            measure(battle, browser, Path(folder))
+        finally:
+            browser.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

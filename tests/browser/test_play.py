@@ -1,0 +1,122 @@
+"""Two people play a battle to its end, each in a browser: keys to coils, light to life, all through the firmware."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+
+from tests.support.battle import Battle
+from tests.support.player import Eyes, hunt
+from tests.support.polling import until
+
+ARROWS = {
+    "ArrowUp": lambda linear, angular, shoot: linear > 0,
+    "ArrowDown": lambda linear, angular, shoot: linear < 0,
+    "ArrowLeft": lambda linear, angular, shoot: angular < 0,
+    "ArrowRight": lambda linear, angular, shoot: angular > 0,
+    "Space": lambda linear, angular, shoot: shoot,
+}
+
+
+class Person:
+    """Somebody at a browser of their own."""
+
+    def __init__(self, chromium: Browser, battle: Battle, name: str) -> None:
+        self.name = name
+        self.context: BrowserContext = chromium.new_context(viewport={"width": 1280, "height": 800})
+        self.page: Page = self.context.new_page()
+        self.complaints: list[str] = []
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.goto(battle.web)
+        self.pressed: set[str] = set()
+
+    def log_in(self) -> None:
+        expect(self.page.locator("#availableR")).not_to_have_text("0")
+        self.page.locator("#username").fill(self.name)
+        self.page.locator("#username").press("Enter")
+        self.page.wait_for_url("**/home")
+        expect(self.page.locator(".username").first).to_have_text(self.name)
+
+    @property
+    def robot(self) -> int:
+        return int(self.page.locator(".robotN").first.inner_text().split()[-1])
+
+    def hold(self, command: tuple[int, int, bool]) -> None:
+        """Hold exactly the keys of this command."""
+        wanted = {key for key, held in ARROWS.items() if held(*command)}
+        for key in self.pressed - wanted:
+            self.page.keyboard.up(key)
+        for key in wanted - self.pressed:
+            self.page.keyboard.down(key)
+        self.pressed = wanted
+
+
+@pytest.fixture
+def battle() -> Iterator[Battle]:
+    with Battle(robots=2, LASERBOT_HIT_DAMAGE="25", LASERBOT_COUNTDOWN="3") as running:
+        yield running
+
+
+@pytest.fixture
+def people(chromium: Browser, battle: Battle) -> Iterator[tuple[Person, Person]]:
+    ann, bob = Person(chromium, battle, "Ann"), Person(chromium, battle, "Bob")
+    yield ann, bob
+    for person in (ann, bob):
+        person.context.close()
+    assert ann.complaints + bob.complaints == []
+
+
+def test_two_people_play_to_the_end(
+    battle: Battle, people: tuple[Person, Person], chromium: Browser, screenshots: Path
+) -> None:
+    ann, bob = people
+    ann.log_in()
+    bob.log_in()
+    expect(ann.page.locator("#userList")).to_contain_text("Bob")
+    expect(bob.page.locator("#userList")).to_contain_text("Ann")
+    for person in people:
+        person.page.locator("#ready-btn").click()
+    for person in people:
+        expect(person.page.locator("#game-status")).to_contain_text("sec to start")
+    for person in people:
+        expect(person.page.locator("#game-status")).to_contain_text("PLAY!", timeout=10_000)
+
+    above = chromium.new_page(viewport={"width": 1280, "height": 800})
+    above.goto(f"http://127.0.0.1:{battle.arena_port}/")
+    with Eyes(battle) as eyes:
+        start = eyes.robots()[bob.robot]
+
+        def bob_moved() -> bool:
+            bob.hold((1, 1, False))
+            now = eyes.robots()[bob.robot]
+            return (now["x"], now["y"]) != (start["x"], start["y"])
+
+        until(bob_moved, 10, "Bob's keys move Bob's robot")
+        bob.hold((0, 0, False))
+
+        ann_life, bob_life = ann.page.locator("#userLife"), bob.page.locator("#userLife")
+
+        def bob_is_hurt() -> bool:
+            robots = eyes.robots()
+            ann.hold(hunt(robots[ann.robot], robots[bob.robot]))
+            return "75" in bob_life.inner_text()
+
+        until(bob_is_hurt, 60, "Ann hits Bob")
+        expect(ann.page.locator("#userList")).to_contain_text("75")
+        assert "100" in ann_life.inner_text()
+        ann.page.screenshot(path=screenshots / "home.png")
+        above.screenshot(path=screenshots / "arena.png")
+
+        def over() -> bool:
+            robots = eyes.robots()
+            ann.hold(hunt(robots[ann.robot], robots[bob.robot]))
+            return "YOU WIN!" in ann.page.locator("body").inner_text()
+
+        until(over, 60, "Ann wins")
+    ann.hold((0, 0, False))
+    expect(bob.page.locator("body")).to_contain_text("YOU LOST!")
+    expect(ann.page.locator("dialog[open]")).to_contain_text("Ann")
+    expect(ann.page.locator("dialog[open]")).to_contain_text("Bob")
+    ann.page.screenshot(path=screenshots / "result.png")
+    above.close()
