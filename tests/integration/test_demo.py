@@ -1,5 +1,6 @@
 """`ci/demo` as a user meets it: what it says, what it refuses, and that nothing is left behind."""
 
+import json
 import os
 import signal
 import socket
@@ -67,7 +68,7 @@ def test_a_killed_demo_takes_its_processes_with_it() -> None:
 def test_the_bot_waits_for_a_human_as_an_opponent() -> None:
     with Battle(robots=2, bots=1) as battle:
         reply: Mapping[str, str] = requests.post(f"{battle.web}/updateGameStatus", timeout=5).json()
-        assert '"Bot1"' in reply["users"]
+        assert [(user["name"], user["robot"]) for user in json.loads(reply["users"])] == [("Bot1", 1)]
         assert requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"] == 1
 
 

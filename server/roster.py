@@ -1,0 +1,66 @@
+"""robots.json: which named robot has which ID, kept over restarts. An operator may write it beforehand.
+
+The file is one JSON object, `{"/id_service_client_<robot's name>": ID}` with IDs 0 to 127.
+"""
+
+import json
+import logging
+import os
+import tempfile
+from pathlib import Path
+
+from server.robot import IDS
+
+_log = logging.getLogger(__name__)
+
+
+class Roster:
+    """The file in `folder`, which is made when it is missing."""
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / "robots.json"
+
+    def load(self) -> dict[str, int]:
+        """The IDs by the robots' names; empty without a file. A broken file is kept beside as robots.json.broken."""
+        try:
+            return _parse(self.path.read_text(encoding="utf-8"))
+        except FileNotFoundError:
+            return {}
+        except OSError as error:
+            _log.error("cannot read %s (%s): robots get new IDs", self.path, error)
+            return {}
+        except (ValueError, RecursionError) as error:
+            broken = self.path.with_suffix(".json.broken")
+            _log.error("%s is broken (%s): kept as %s, robots get new IDs", self.path, error, broken.name)
+            try:
+                self.path.replace(broken)
+            except OSError as failure:
+                _log.error("cannot keep it as %s: %s", broken, failure)
+            return {}
+
+    def save(self, ids: dict[str, int]) -> None:
+        """Replace the file as a whole, so that a power cut leaves the old or the new one. A failure is logged."""
+        temporary = ""
+        try:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            descriptor, temporary = tempfile.mkstemp(dir=self.path.parent, prefix="robots.", suffix=".tmp")
+            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
+                json.dump(ids, file, indent=2, sort_keys=True)
+                file.write("\n")
+                file.flush()
+                os.fsync(file.fileno())
+            os.replace(temporary, self.path)
+        except OSError as error:
+            _log.error("cannot write %s (%s): robots may get other IDs after a restart", self.path, error)
+            if temporary:
+                Path(temporary).unlink(missing_ok=True)
+
+
+def _parse(text: str) -> dict[str, int]:
+    content = json.loads(text)
+    if not isinstance(content, dict):
+        raise ValueError("not a JSON object")
+    for name, robot_id in content.items():
+        if type(robot_id) is not int or robot_id not in IDS:
+            raise ValueError(f"{name!r} has the ID {robot_id!r}, not a whole number from 0 to 127")
+    return content

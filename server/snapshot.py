@@ -1,0 +1,50 @@
+"""The state of the battle as everyone but its owner sees it: immutable."""
+
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+
+class Game(IntEnum):
+    """The states of the game, as on the wire."""
+
+    STOPPED = 0
+    COUNTDOWN = 1
+    PLAYING = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Player:
+    """A signed-in player; `session` is the SHA-256 (hex) of the session token."""
+
+    name: str
+    robot: int
+    life: int
+    ready: bool
+    avatar: int
+    session: str
+
+
+@dataclass(frozen=True, slots=True)
+class Placing:
+    """A player in the result of a battle: place 1 has won, `left` was gone before the end."""
+
+    name: str
+    robot: int
+    life: int
+    avatar: int
+    place: int
+    left: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """Everything at one moment. Two snapshots are equal when they differ in nothing but the time left."""
+
+    game: Game
+    time_left: float = field(compare=False)  # s to the battle (COUNTDOWN) or to its time limit (PLAYING), else 0
+    battle: int  # battles begun so far
+    notice: str  # why the last countdown or battle ended; empty while one runs
+    available_robots: int
+    robots: tuple[int, ...]  # IDs of the registered robots
+    players: tuple[Player, ...]  # in ranking order
+    result: tuple[Placing, ...]  # of the last battle, best first; empty from the next countdown on

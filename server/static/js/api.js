@@ -1,0 +1,43 @@
+// The HTTP rim: forms out, JSON text in.
+
+const TIMEOUT = 4000; // ms
+
+/** What the server answered; `status` is its word (OK, UNAVAILABLE, ...), `body` the raw text. */
+async function read(response) {
+  const body = await response.text();
+  try {
+    return { ...JSON.parse(body), body };
+  } catch {
+    return { status: `HTTP ${response.status}`, body };
+  }
+}
+
+async function post(route, fields) {
+  const response = await fetch(route, {
+    method: "POST",
+    body: new URLSearchParams(fields),
+    signal: AbortSignal.timeout(TIMEOUT),
+  });
+  return read(response);
+}
+
+// Each rejects when the server does not answer in time.
+
+export const signUp = (name, avatar) => post("/signUpUser", { data: name, avatar });
+export const signOut = (name) => post("/signOutUser", { data: name });
+export const setReady = (name, ready) => post("/playerReady", { user: name, ready: ready ? 1 : 0 });
+export const availableRobots = () => post("/getAvailableRobots", { data: "data" });
+
+/** The state of the battle. A proxy's error page counts as no answer. */
+export async function gameStatus() {
+  const reply = await post("/updateGameStatus", { data: "data" });
+  if (reply.status !== "OK") throw new Error(`/updateGameStatus: ${reply.status}`);
+  return reply;
+}
+
+/** Whose the session cookie is: {status: "OK", user, robot} or {status: "UNREGISTERED"}. */
+export async function session() {
+  const reply = await read(await fetch("/session", { cache: "no-store", signal: AbortSignal.timeout(TIMEOUT) }));
+  if (reply.status !== "OK" && reply.status !== "UNREGISTERED") throw new Error(`/session: ${reply.status}`);
+  return reply;
+}

@@ -1,0 +1,39 @@
+// Making elements. Text becomes text nodes: a player's name can never become HTML.
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/**
+ * @param {string} tag
+ * @param {object} properties set on the element
+ * @param {...(Node|string|false|undefined)} children false, undefined and "" are left out
+ */
+export function element(tag, properties = {}, ...children) {
+  const made = Object.assign(document.createElement(tag), properties);
+  made.append(...children.filter(Boolean));
+  return made;
+}
+
+/** A symbol of the sprite in templates/icons.svg, for eyes only. */
+export function icon(name) {
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("class", "icon");
+  svg.setAttribute("aria-hidden", "true");
+  const use = document.createElementNS(SVG, "use");
+  use.setAttribute("href", `#icon-${name}`);
+  svg.append(use);
+  return svg;
+}
+
+export const avatarUrl = (index) => `/static/img/avatar${index}.png`;
+
+/** Set a text only when it differs: screen readers and selections are left alone. */
+export function setText(node, text) {
+  if (node.textContent !== text) node.textContent = text;
+}
+
+/** A life bar's width, colour and value for screen readers. */
+export function setLife(bar, life) {
+  bar.setAttribute("aria-valuenow", String(life));
+  bar.dataset.level = life > 50 ? "high" : life > 20 ? "middle" : "low";
+  bar.firstElementChild.style.width = `${life}%`;
+}

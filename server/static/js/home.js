@@ -1,0 +1,225 @@
+// The game page: who am I, what is the state of the battle, where do my commands go.
+
+import * as api from "./api.js";
+import { connectControls } from "./controls.js";
+import * as dialogs from "./dialogs.js";
+import { Driver } from "./driver.js";
+import * as effects from "./effects.js";
+import { Heartbeat } from "./heartbeat.js";
+import { Link } from "./link.js";
+import { fromReply, fromTopic } from "./messages.js";
+import * as state from "./state.js";
+import * as storage from "./storage.js";
+import * as view from "./view.js";
+
+const TICK = 500; // ms between two looks at whether a heartbeat is due
+const RETRY = 1000; // ms between two attempts to reach the server at the start
+
+const byId = (id) => document.getElementById(id);
+
+/** One signed-in player on this page, from login to leaving. */
+class Game {
+  #me; // { name, robot, avatar, date }
+  #status = null;
+  #link;
+  #heartbeat;
+  #driver;
+  #timer = null;
+  #left = false;
+  #asking = false; // a change of ready is under way
+  #checking = false;
+  #laser = new effects.Laser(byId("beam"), document.querySelectorAll(".charge-fill"));
+
+  constructor(me) {
+    this.#me = me;
+    const port = document.querySelector("meta[name=rosbridge-port]").content;
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    this.#link = new Link({
+      url: `${scheme}://${location.hostname}:${port}`,
+      onStatus: (message) => {
+        this.#heartbeat.tick(false);
+        this.#take(fromTopic(message));
+      },
+      onChange: () => this.#showLink(),
+    });
+    this.#heartbeat = new Heartbeat({
+      post: api.gameStatus,
+      now: () => performance.now(),
+      onReply: (reply) => this.#link.up || this.#take(fromReply(reply, this.#status)),
+      onLost: () => this.#showLink(),
+      onBack: () => {
+        this.#showLink();
+        this.#checkSession(); // the server may have forgotten its players
+      },
+    });
+    this.#driver = new Driver({
+      send: (command) => {
+        if (this.#link.publish(me.robot, command) && command.shoot) this.#laser.fire(performance.now());
+      },
+      every: (ms, act) => {
+        const timer = setInterval(act, ms);
+        return () => clearInterval(timer);
+      },
+    });
+  }
+
+  start() {
+    view.showPlayer(this.#me);
+    this.#showLink();
+    connectControls(this.#driver, () => view.showHeld(this.#driver.actions));
+    byId("ready-btn").addEventListener("click", () => this.#toggleReady());
+    byId("sign-out").addEventListener("click", () => this.#askSignOut());
+    for (const button of document.querySelectorAll("#how-to, #how-to-menu")) {
+      button.addEventListener("click", () => this.#pause(dialogs.help));
+    }
+    this.#link.start();
+    const beat = () => this.#heartbeat.tick(!this.#link.up);
+    this.#timer = setInterval(beat, TICK);
+    beat();
+  }
+
+  /** A new state of the battle has arrived. */
+  #take(status) {
+    if (this.#left) return;
+    const { name } = this.#me;
+    const previous = this.#status;
+    const me = state.findUser(status, name);
+    if (!me) {
+      this.#checkSession();
+      return;
+    }
+    this.#status = status;
+    if (state.mayDrive(status, name)) this.#driver.start();
+    else this.#stopDriving();
+    if (me.avatar !== this.#me.avatar && this.#link.up) this.#me.avatar = me.avatar;
+    view.showPlayer(this.#me);
+    view.showStatus(status, name);
+    view.announce(state.announcement(previous, status, name));
+    if (state.lifeLost(previous, status, name) > 0) effects.hit(byId("stage"), byId("flash"));
+    if (state.hasEnded(previous, status, name)) this.#showResult(state.ranking(status.result, name));
+  }
+
+  #stopDriving() {
+    if (!this.#driver.driving) return;
+    this.#driver.stop();
+    this.#link.unadvertise();
+    view.showHeld(this.#driver.actions);
+  }
+
+  /** Let go of the controls, then show a dialog. */
+  #pause(showDialog) {
+    this.#driver.releaseAll();
+    view.showHeld(this.#driver.actions);
+    return showDialog();
+  }
+
+  #showResult({ title, text, won, rows }) {
+    dialogs.show({ kind: won ? "trophy" : "broken", title, text, body: [view.rankingList(rows)], calm: true });
+  }
+
+  #showLink() {
+    view.showLink(state.linkState(this.#link.up, !this.#heartbeat.lost));
+  }
+
+  async #toggleReady() {
+    if (!this.#status || this.#asking) return;
+    this.#asking = true;
+    const { ready } = state.readyButton(this.#status, this.#me.name);
+    const reply = await api.setReady(this.#me.name, !ready).catch(() => null);
+    this.#asking = false;
+    if (!reply) {
+      dialogs.toast("The server does not answer: try again.");
+    } else if (reply.status === "STARTED") {
+      dialogs.show({ title: "A battle is running", text: "Wait until it is over, then press ready." });
+    } else if (reply.status !== "OK") {
+      console.error("playerReady:", reply.body);
+      this.#checkSession();
+    }
+  }
+
+  async #askSignOut() {
+    const sure = await this.#pause(() =>
+      dialogs.show({
+        kind: "warning",
+        title: "Sign out?",
+        text: "Your robot becomes free for others. In a battle you give up.",
+        ok: "Sign out",
+        cancel: "Cancel",
+      }),
+    );
+    if (!sure) {
+      dialogs.toast("You stay: your session is safe.");
+      return;
+    }
+    this.#stopDriving();
+    const reply = await api.signOut(this.#me.name).catch(() => null);
+    if (reply?.status === "OK") {
+      this.#leave({ kind: "success", title: "Signed out", text: "See you in the arena." }, 1500);
+    } else if (reply?.status === "UNREGISTERED") {
+      this.#leave({ kind: "error", title: "Not logged in", text: `The server does not know “${this.#me.name}”.` }, 1500);
+    } else {
+      const text = reply ? (reply.error ?? reply.body) : "The server does not answer.";
+      dialogs.show({ kind: "error", title: "Still signed in", text });
+    }
+  }
+
+  /** Ask the server whether this page's player is still signed in; if not, say so once and go. */
+  async #checkSession() {
+    if (this.#checking || this.#left) return;
+    this.#checking = true;
+    const session = await api.session().catch(() => null); // no answer: the heartbeat goes on asking
+    this.#checking = false;
+    if (!session || this.#left) return;
+    if (session.status === "UNREGISTERED") {
+      const text = "The connection to your robot is lost, so you have been signed out.";
+      this.#leave({ kind: "error", title: "Robot lost", text }, 2500);
+    } else if (session.user !== this.#me.name || session.robot !== this.#me.robot) {
+      location.reload(); // another tab of this browser has signed in anew
+    }
+  }
+
+  /** The end of this page: say why, then back to the login after `ms`. */
+  #leave(message, ms) {
+    this.#left = true;
+    clearInterval(this.#timer);
+    this.#stopDriving();
+    this.#link.stop();
+    storage.forget();
+    dialogs.show({ ...message, ok: null });
+    setTimeout(() => location.replace("/"), ms);
+  }
+}
+
+/** The player of this browser's session, as the server knows him. Waits for the server. */
+async function whoAmI() {
+  for (;;) {
+    try {
+      return await api.session();
+    } catch {
+      view.showLink(state.linkState(false, false));
+      await new Promise((resolve) => setTimeout(resolve, RETRY));
+    }
+  }
+}
+
+async function main() {
+  const session = await whoAmI();
+  if (session.status !== "OK") {
+    storage.forget();
+    dialogs.show({ kind: "warning", title: "You are not logged in", text: "Back to the login.", ok: null });
+    setTimeout(() => location.replace("/"), 2000);
+    return;
+  }
+  let user = storage.load();
+  if (user?.name !== session.user || user.robotN !== session.robot) {
+    user = storage.save(session.user, session.robot, 0, new Date());
+  }
+  new Game({ name: session.user, robot: session.robot, avatar: user.imgIndex, date: user.date }).start();
+}
+
+byId("sidebar-toggle").addEventListener("click", (event) => {
+  const hidden = document.body.classList.toggle("no-sidebar");
+  event.currentTarget.setAttribute("aria-expanded", !hidden);
+});
+addEventListener("pageshow", (event) => event.persisted && location.reload()); // the sockets of a restored page are dead
+main();

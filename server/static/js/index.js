@@ -1,0 +1,87 @@
+// The login page.
+
+import * as api from "./api.js";
+import * as dialogs from "./dialogs.js";
+import { avatarUrl, setText } from "./dom.js";
+import { isValidName, loginDialog } from "./login.js";
+import * as storage from "./storage.js";
+
+const POLL = 1000; // ms between two questions for free robots
+
+const form = document.getElementById("login");
+const nameField = document.getElementById("username");
+const picture = document.getElementById("userImage");
+const robots = document.getElementById("availableR");
+const linkState = document.getElementById("link-state");
+
+let avatar = Math.floor(Math.random() * storage.AVATARS);
+let busy = false;
+
+function showAvatar() {
+  picture.src = avatarUrl(avatar);
+  picture.alt = `Robot picture ${avatar + 1} of ${storage.AVATARS}`;
+}
+
+async function logIn() {
+  const name = nameField.value.trim();
+  if (!isValidName(name)) return dialogs.show(loginDialog({ status: "BAD_NAME" }));
+  if (!storage.isAvailable()) return dialogs.show(loginDialog({ status: "NO_STORAGE" }));
+  const reply = await api.signUp(name, avatar).catch(() => ({ status: "NO_ANSWER" }));
+  if (reply.status !== "OK") return dialogs.show(loginDialog(reply));
+  storage.save(reply.user, reply.robot, avatar, new Date());
+  location.assign("/home");
+}
+
+/** Ask about a player who is still signed in from this browser. What the server does not know any more is forgotten. */
+async function offerRestore() {
+  const session = await api.session().catch(() => null);
+  if (!session || busy) return;
+  if (session.status !== "OK") {
+    storage.forget();
+    return;
+  }
+  const restore = await dialogs.show({
+    title: `You are logged in as “${session.user}”.`,
+    text: `Robot ${session.robot} is still yours. Do you want to go on with this session?`,
+    ok: "OK",
+    cancel: "Cancel",
+  });
+  if (restore) {
+    location.assign("/home");
+    return;
+  }
+  await api.signOut(session.user).catch(() => null);
+  storage.forget();
+  nameField.focus();
+}
+
+async function showRobots() {
+  try {
+    const reply = await api.availableRobots();
+    setText(robots, String(reply.availableR));
+    robots.dataset.none = reply.availableR === 0;
+    linkState.hidden = true;
+  } catch {
+    setText(robots, "?");
+    linkState.hidden = false;
+  }
+  setTimeout(showRobots, POLL);
+}
+
+form.addEventListener("submit", async (event) => {
+  event.preventDefault();
+  if (busy) return;
+  busy = true;
+  await logIn();
+  busy = false;
+});
+document.getElementById("avatar").addEventListener("click", () => {
+  avatar = (avatar + 1) % storage.AVATARS;
+  showAvatar();
+});
+document.getElementById("how-to").addEventListener("click", dialogs.help);
+addEventListener("pageshow", (event) => event.persisted && location.reload()); // back from home: all may have changed
+
+showAvatar();
+showRobots();
+offerRestore();

@@ -1,0 +1,61 @@
+// The state of the battle in one shape, from either of its two sources. Pure.
+
+/**
+ * @typedef {object} Player
+ * @property {string} name
+ * @property {number} robot ID
+ * @property {number} life 0 to 100
+ * @property {boolean} ready
+ * @property {number} avatar 0 to 4
+ * @property {number} place in a result: 1 is the winner, ties share a place
+ * @property {boolean} left in a result: gone before the end
+ *
+ * @typedef {object} Status
+ * @property {0|1|2} game stopped, countdown, playing
+ * @property {number} timeLeft s to the start or to the time limit
+ * @property {number} battle number of the battle, or UNKNOWN_BATTLE
+ * @property {string} notice why the last countdown or battle ended
+ * @property {Player[]} users best first
+ * @property {Player[]} result the last battle, best first
+ */
+
+/** The battle's number when only /updateGameStatus has been heard. */
+export const UNKNOWN_BATTLE = -1;
+
+/** @returns {Status} from a laser_bot_battle/GameStatus of /game_status */
+export function fromTopic(message) {
+  return {
+    game: message.game,
+    timeLeft: message.time_left,
+    battle: message.battle,
+    notice: message.notice,
+    users: message.users,
+    result: message.result,
+  };
+}
+
+/**
+ * From the reply to POST /updateGameStatus, which knows neither pictures nor results: those stay as they were.
+ * @param {{game: number, timeLeft: number, users: string}} reply `users` is JSON text
+ * @param {Status|null} previous
+ * @returns {Status}
+ */
+export function fromReply(reply, previous) {
+  const pictures = new Map(previous?.users.map((user) => [user.name, user.avatar]));
+  return {
+    game: reply.game,
+    timeLeft: reply.timeLeft,
+    battle: previous?.battle ?? UNKNOWN_BATTLE,
+    notice: previous?.notice ?? "",
+    users: JSON.parse(reply.users).map((user) => ({
+      name: user.name,
+      robot: user.robot,
+      life: user.life,
+      ready: user.ready === 1,
+      avatar: pictures.get(user.name) ?? 0,
+      place: 0,
+      left: false,
+    })),
+    result: reply.game === 0 ? (previous?.result ?? []) : [],
+  };
+}

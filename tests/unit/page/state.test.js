@@ -1,0 +1,181 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { fromReply } from "../../../server/static/js/messages.js";
+import * as state from "../../../server/static/js/state.js";
+import { player, status } from "./samples.js";
+
+const ready = { ready: true };
+const text = (values, me) => state.gameText(status({ ...values, users: [player("Ann", me), player("Bob", ready)] }), "Ann");
+
+test("who is not ready is asked to press ready", () => {
+  assert.equal(text({}).text, "Press ready to start!");
+});
+
+test("who is ready alone waits for others", () => {
+  assert.equal(text({}, ready).text, "Waiting for other players...");
+});
+
+test("the countdown shows the seconds that have begun", () => {
+  assert.equal(text({ game: 1, time_left: 14.2 }, ready).text, "15 sec to start.");
+  assert.equal(text({ game: 1, time_left: 0.4 }, ready).text, "1 sec to start.");
+});
+
+test("who is not ready in the countdown sees it too and may join", () => {
+  const { text: line, hint } = text({ game: 1, time_left: 3 });
+  assert.equal(line, "3 sec to start.");
+  assert.match(hint, /join/);
+});
+
+test("in the battle the players play, the dead watch and the others wait", () => {
+  assert.equal(text({ game: 2 }, ready).text, "PLAY!");
+  assert.match(text({ game: 2 }, { ready: true, life: 0 }).text, /^You are out: watch/);
+  assert.match(text({ game: 2 }).text, /started without you/);
+});
+
+test("after the battle its players see that it is over until they are ready again", () => {
+  const over = { result: [player("Ann", { place: 1 })], notice: "Battle over: Bob was shot down." };
+  assert.deepEqual(text(over), { text: "Game over. Press ready to start again.", hint: "Battle over: Bob was shot down." });
+  assert.equal(text(over, ready).text, "Waiting for other players...");
+  assert.equal(text({ result: [player("Bob")] }).text, "Press ready to start!", "who has not played it");
+});
+
+test("the server's reason for a stopped countdown is shown", () => {
+  assert.equal(text({ notice: "Countdown stopped." }).hint, "Countdown stopped.");
+});
+
+test("a player who is not in the status has no phase and cannot drive", () => {
+  const strange = status({ game: 2, users: [player("Bob", ready)] });
+  assert.equal(state.phaseOf(strange, "Ann"), null);
+  assert.ok(!state.mayDrive(strange, "Ann"));
+});
+
+test("only a ready and living player drives, and only in the battle", () => {
+  const may = (game, me) => state.mayDrive(status({ game, users: [player("Ann", me)] }), "Ann");
+  assert.ok(may(2, ready));
+  assert.ok(!may(2, { ready: true, life: 0 }));
+  assert.ok(!may(2, {}));
+  assert.ok(!may(1, ready));
+  assert.ok(!may(0, ready));
+});
+
+test("the ready button toggles while the game stands still", () => {
+  const button = (game, me) => state.readyButton(status({ game, users: [player("Ann", me)] }), "Ann");
+  assert.deepEqual(button(0, {}), { ready: false, text: "Ready", disabled: false });
+  assert.deepEqual(button(0, ready), { ready: true, text: "Ready!", disabled: false });
+});
+
+test("the ready button is closed for the ready in the countdown, and for all in the battle", () => {
+  const closed = (game, me) => state.readyButton(status({ game, users: [player("Ann", me)] }), "Ann").disabled;
+  assert.equal(closed(1, {}), false);
+  assert.equal(closed(1, ready), true);
+  assert.equal(closed(2, {}), true);
+  assert.equal(closed(2, ready), true);
+});
+
+test("icons tell ready, out and not ready", () => {
+  const icon = (user, game) => {
+    const { symbol, color } = state.userIcon(player("Bob", user), game);
+    return [symbol, color];
+  };
+  assert.deepEqual(icon(ready, 0), ["play", "#00a65a"]);
+  assert.deepEqual(icon(ready, 2), ["play", "#00a65a"]);
+  assert.deepEqual(icon({ ready: true, life: 0 }, 1), ["play", "#00a65a"]);
+  assert.deepEqual(icon({ ready: true, life: 0 }, 2), ["times", "#d33724"]);
+  assert.deepEqual(icon({ life: 0 }, 2), ["pause", "#f4bc42"]);
+  assert.deepEqual(icon({}, 0), ["pause", "#f4bc42"]);
+});
+
+test("the list shows the others in the server's order", () => {
+  const three = status({ users: [player("Bob"), player("Ann"), player("Eve")] });
+  assert.deepEqual(state.others(three, "Ann").map((user) => user.name), ["Bob", "Eve"]);
+});
+
+const result = [
+  player("Bob", { place: 1, life: 40, avatar: 3 }),
+  player("Ann", { place: 2, life: 0 }),
+  player("Zed", { place: 3, life: 70, left: true }),
+];
+
+test("the first wins, everybody else loses at his place", () => {
+  const won = state.ranking(result, "Bob");
+  assert.deepEqual([won.title, won.text, won.won], ["YOU WIN!", "Your place is 1.", true]);
+  const lost = state.ranking(result, "Ann");
+  assert.deepEqual([lost.title, lost.text, lost.won], ["YOU LOST!", "Your place is 2.", false]);
+});
+
+test("the ranking lists everybody, survivors and quitters too", () => {
+  assert.deepEqual(state.ranking(result, "Ann").rows, [
+    { place: 1, name: "Bob", note: "40%", avatar: 3, isMe: false },
+    { place: 2, name: "Ann", note: "0%", avatar: 0, isMe: true },
+    { place: 3, name: "Zed", note: "left", avatar: 0, isMe: false },
+  ]);
+});
+
+test("who shares the first place has a draw, who shares another has lost", () => {
+  const tied = [player("Ann", { place: 1 }), player("Bob", { place: 1 }), player("Eve", { place: 3 }), player("Zed", { place: 3 })];
+  assert.deepEqual([state.ranking(tied, "Ann").title, state.ranking(tied, "Ann").text], ["DRAW!", "You share place 1."]);
+  assert.deepEqual([state.ranking(tied, "Eve").title, state.ranking(tied, "Eve").text], ["YOU LOST!", "You share place 3."]);
+});
+
+const users = [player("Ann"), player("Bob")];
+const playing = status({ game: 2, battle: 4, users });
+const over = status({ battle: 4, users, result });
+
+test("the end of a battle is told once", () => {
+  assert.ok(state.hasEnded(playing, over, "Ann"));
+  assert.ok(!state.hasEnded(over, over, "Ann"));
+});
+
+test("a result that was there before the page is no news", () => {
+  assert.ok(!state.hasEnded(null, over, "Ann"));
+  const heardByHttp = fromReply({ game: 0, timeLeft: 0, users: "[]" }, null);
+  assert.ok(!state.hasEnded(heardByHttp, over, "Ann"));
+});
+
+test("a battle that ended while the link was down is told when it is back", () => {
+  const before = status({ battle: 3, users, result: [player("Ann", { place: 1 })] });
+  assert.ok(state.hasEnded(before, over, "Ann"));
+  const meanwhile = fromReply({ game: 0, timeLeft: 0, users: "[]" }, playing);
+  assert.ok(state.hasEnded(meanwhile, over, "Ann"));
+});
+
+test("nobody is told the end of a battle that he has not played or has left", () => {
+  assert.ok(!state.hasEnded(playing, over, "Eve"));
+  assert.ok(!state.hasEnded(playing, over, "Zed"));
+});
+
+test("a stopped countdown is no end of a battle", () => {
+  assert.ok(!state.hasEnded(status({ game: 1, users }), status({ users }), "Ann"));
+});
+
+test("life lost counts within a battle only", () => {
+  const at = (game, life) => status({ game, users: [player("Ann", { ready: true, life })] });
+  assert.equal(state.lifeLost(at(2, 100), at(2, 80), "Ann"), 20);
+  assert.equal(state.lifeLost(at(2, 10), at(0, 0), "Ann"), 10, "the last hit ends the battle");
+  assert.equal(state.lifeLost(at(1, 100), at(2, 100), "Ann"), 0);
+  assert.equal(state.lifeLost(null, at(2, 80), "Ann"), 0);
+  assert.equal(state.lifeLost(at(2, 0), at(1, 100), "Ann"), 0);
+});
+
+test("a screen reader hears changes and hits, not every second of the countdown", () => {
+  const at = (game, time_left, life = 100) => status({ game, time_left, users: [player("Ann", { ready: true, life })] });
+  assert.match(state.announcement(at(0, 0), at(1, 15), "Ann"), /15 sec to start/);
+  assert.equal(state.announcement(at(1, 15), at(1, 14), "Ann"), "");
+  assert.equal(state.announcement(at(2, 9), at(2, 9, 60), "Ann"), "Hit! Life 60 percent.");
+  assert.match(state.announcement(at(2, 9, 10), at(2, 9, 0), "Ann"), /You are out/);
+});
+
+test("the clock shows minutes and seconds", () => {
+  assert.equal(state.clockText(300), "5:00");
+  assert.equal(state.clockText(64.2), "1:05");
+  assert.equal(state.clockText(-1), "0:00");
+});
+
+test("the link says what is wrong, the server before the robot", () => {
+  assert.deepEqual([state.linkState(true, true).level, state.linkState(true, true).text], ["ok", "Online"]);
+  assert.equal(state.linkState(false, true).level, "warn");
+  assert.match(state.linkState(false, true).banner, /robot/);
+  assert.equal(state.linkState(true, false).level, "bad");
+  assert.match(state.linkState(false, false).banner, /server/);
+  for (const link of [state.linkState(false, true), state.linkState(false, false)]) assert.match(link.text, /Reconnecting/);
+});

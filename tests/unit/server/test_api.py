@@ -1,0 +1,382 @@
+"""The HTTP API: exact bodies for good input, clear JSON errors for bad input, and no change of state by it."""
+
+import hashlib
+import json
+import threading
+
+import pytest
+
+from server.app import create_app
+from server.battle import Battle
+from server.referee import Referee, Rules
+from server.settings import Settings
+from tests.support.polling import until
+
+POST_ROUTES = ("/signUpUser", "/signOutUser", "/updateGameStatus", "/getAvailableRobots", "/playerReady", "/incAlive")
+
+
+class Site:
+    """The application over a real battle with robots 0 to 2; every browser has its own cookies."""
+
+    def __init__(self, robots: int = 3, **rules: float) -> None:
+        self.battle = Battle(Referee(Rules(**rules)))
+        for _ in range(robots):
+            self.battle.add_robot("/unnamed")
+        self.app = create_app(self.battle, Settings())
+
+    def browser(self):
+        return self.app.test_client()
+
+
+@pytest.fixture
+def site() -> Site:
+    return Site()
+
+
+@pytest.fixture
+def browser(site):
+    return site.browser()
+
+
+def body(response) -> dict:
+    """The answer's JSON, which must come in the form that old pages expect."""
+    assert response.content_type == "text/html; charset=utf-8"
+    assert response.headers["Cache-Control"] == "no-store"
+    content = json.loads(response.text)
+    assert response.text == json.dumps(content, sort_keys=True)
+    return content
+
+
+def sign_up(browser, name, **fields):
+    return body(browser.post("/signUpUser", data={"data": name, **fields}))
+
+
+def players(site):
+    return [player.name for player in site.battle.snapshot().players]
+
+
+# signUpUser
+
+
+def test_sign_up_gives_the_lowest_robot_and_a_session_cookie(site, browser):
+    response = browser.post("/signUpUser", data={"data": "al"})
+    assert response.status_code == 200
+    assert response.text == '{"robot": 0, "status": "OK", "user": "al"}'
+    cookie = response.headers["Set-Cookie"]
+    assert cookie.startswith("laserbot_session=")
+    assert {"HttpOnly", "Path=/", "SameSite=Lax"} <= set(cookie.split("; "))
+    token = browser.get_cookie("laserbot_session").value
+    assert len(token) >= 43
+    assert site.battle.snapshot().players[0].session == hashlib.sha256(token.encode()).hexdigest()
+
+
+def test_a_taken_name_is_unavailable(site, browser):
+    site.browser().post("/signUpUser", data={"data": "al"})
+    response = browser.post("/signUpUser", data={"data": "al"})
+    assert response.text == '{"status": "UNAVAILABLE", "user": "al"}'
+    assert "Set-Cookie" not in response.headers
+
+
+def test_no_robots_left(browser):
+    site = Site(robots=1)
+    assert sign_up(site.browser(), "al")["status"] == "OK"
+    assert sign_up(site.browser(), "bo") == {"status": "NO_ROBOTS", "user": "bo"}
+    assert sign_up(site.browser(), "al") == {"status": "UNAVAILABLE", "user": "al"}
+
+
+def test_a_wanted_robot_is_given_when_it_is_free(site):
+    assert sign_up(site.browser(), "al", robot="1") == {"status": "OK", "robot": 1, "user": "al"}
+    assert sign_up(site.browser(), "bo", robot="1") == {"status": "ROBOT_UNAVAILABLE", "robot": 1}
+    assert sign_up(site.browser(), "bo", robot="77") == {"status": "ROBOT_UNAVAILABLE", "robot": 77}
+    assert players(site) == ["al"]
+    assert sign_up(site.browser(), "bo") == {"status": "OK", "robot": 0, "user": "bo"}
+
+
+@pytest.mark.parametrize("wish", ["", "x", "1.0", " 1 ", "١"])
+def test_a_wish_that_is_no_robot_is_refused(site, browser, wish):
+    response = browser.post("/signUpUser", data={"data": "al", "robot": wish})
+    assert response.status_code == 400
+    assert json.loads(response.text) == {"error": "robot must be a whole number", "status": "ERROR"}
+    assert players(site) == []
+
+
+def test_a_double_click_gets_the_same_robot_again_and_keeps_the_session(site, browser):
+    first = sign_up(browser, "al")
+    token = browser.get_cookie("laserbot_session").value
+    assert sign_up(browser, "al") == first
+    assert browser.get_cookie("laserbot_session").value == token
+    assert players(site) == ["al"]
+
+
+@pytest.mark.parametrize("avatar", range(5))
+def test_the_avatar_is_kept(site, browser, avatar):
+    sign_up(browser, "al", avatar=str(avatar))
+    assert site.battle.snapshot().players[0].avatar == avatar
+
+
+@pytest.mark.parametrize("avatar", ["5", "-1", "", "x", "1.0", " 1", "٣", "01"])
+def test_an_impossible_avatar_is_refused(site, browser, avatar):
+    response = browser.post("/signUpUser", data={"data": "al", "avatar": avatar})
+    assert response.status_code == 400
+    assert body(response) == {"error": "avatar must be 0 to 4", "status": "ERROR", "user": "al"}
+    assert players(site) == []
+
+
+@pytest.mark.parametrize("name", ["", " ", "x" * 17, "a b", "a\n", "<img src=x onerror=alert(1)>", "ünï", "\x00", "[]"])
+def test_a_bad_name_is_refused_and_leaves_no_trace(site, browser, name):
+    response = browser.post("/signUpUser", data={"data": name})
+    assert response.status_code == 400
+    assert response.content_type == "text/html; charset=utf-8"
+    content = json.loads(response.text)
+    assert content == {"error": "a name is 1 to 16 letters, digits or _", "status": "ERROR", "user": name}
+    assert "Set-Cookie" not in response.headers
+    assert players(site) == []
+    assert site.battle.snapshot().available_robots == 3
+
+
+def test_a_name_is_never_echoed_as_html(browser):
+    for route, field in (("/signUpUser", "data"), ("/signOutUser", "data")):
+        response = browser.post(route, data={field: "<script>alert('1')</script>"})
+        assert "<" not in response.text
+        assert "default-src 'none'" in response.headers["Content-Security-Policy"]
+        assert json.loads(response.text)["user"] == "<script>alert('1')</script>"
+
+
+def test_many_sign_up_with_one_name_at_the_same_instant(site):
+    barrier = threading.Barrier(8)
+    answers = []
+
+    def click():
+        browser = site.browser()
+        barrier.wait()
+        answers.append(sign_up(browser, "al")["status"])
+
+    threads = [threading.Thread(target=click) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sorted(answers) == ["OK"] + ["UNAVAILABLE"] * 7
+    assert players(site) == ["al"]
+
+
+# signOutUser
+
+
+def test_sign_out_frees_name_and_robot_and_the_cookie_goes(site, browser):
+    sign_up(browser, "al")
+    response = browser.post("/signOutUser", data={"data": "al"})
+    assert response.text == '{"status": "OK", "user": "al"}'
+    assert browser.get_cookie("laserbot_session") is None
+    assert players(site) == []
+    assert body(browser.post("/signOutUser", data={"data": "al"})) == {"status": "UNREGISTERED", "user": "al"}
+
+
+@pytest.mark.parametrize("signed_in", [True, False])
+def test_nobody_signs_another_out(site, browser, signed_in):
+    site.browser().post("/signUpUser", data={"data": "al"})
+    if signed_in:
+        sign_up(browser, "bo")
+    response = browser.post("/signOutUser", data={"data": "al"})
+    assert response.status_code == 403
+    content = body(response)
+    assert content.pop("error")
+    assert content == {"status": "FAILED", "user": "al"}
+    assert "al" in players(site)
+
+
+def test_a_forged_cookie_is_no_session(site, browser):
+    site.browser().post("/signUpUser", data={"data": "al"})
+    for value in ("", "x", site.battle.snapshot().players[0].session, "\xff\xfe", "a" * 4000):
+        browser.set_cookie("laserbot_session", value)
+        assert browser.post("/signOutUser", data={"data": "al"}).status_code == 403
+        assert body(browser.get("/session")) == {"status": "UNREGISTERED"}
+    assert players(site) == ["al"]
+
+
+# playerReady
+
+
+def test_player_ready(site, browser):
+    sign_up(browser, "al")
+    response = browser.post("/playerReady", data={"user": "al", "ready": "1"})
+    assert response.text == '{"status": "OK", "user": "al"}'
+    assert site.battle.snapshot().players[0].ready
+    browser.post("/playerReady", data={"user": "al", "ready": "0"})
+    assert not site.battle.snapshot().players[0].ready
+
+
+@pytest.mark.parametrize("ready", ["2", "-1", "01", " 1 ", "1 ", "١", "x", "1.0", "", "true", "1\n"])
+def test_ready_is_exactly_0_or_1(site, browser, ready):
+    sign_up(browser, "al")
+    response = browser.post("/playerReady", data={"user": "al", "ready": ready})
+    assert response.status_code == 400
+    assert body(response) == {"error": "ready must be 0 or 1", "status": "ERROR", "user": "al"}
+    assert not site.battle.snapshot().players[0].ready
+
+
+def test_an_unknown_user_cannot_get_ready(browser):
+    response = browser.post("/playerReady", data={"user": "al", "ready": "1"})
+    assert response.status_code == 200
+    assert body(response) == {"status": "ERROR", "user": "al"}
+
+
+def test_nobody_gets_another_ready(site, browser):
+    site.browser().post("/signUpUser", data={"data": "al"})
+    response = browser.post("/playerReady", data={"user": "al", "ready": "1"})
+    assert response.status_code == 403
+    content = body(response)
+    assert content.pop("error")
+    assert content == {"status": "ERROR", "user": "al"}
+    assert not site.battle.snapshot().players[0].ready
+
+
+def test_in_a_battle_everyone_gets_started_whatever_is_asked():
+    site = Site(countdown=0.1)
+    for name in ("al", "bo"):
+        browser = site.browser()
+        sign_up(browser, name)
+        browser.post("/playerReady", data={"user": name, "ready": "1"})
+    until(lambda: site.battle.snapshot().game == 2)
+    for user in ("al", "bo", "nobody"):
+        for ready in ("0", "1", "x"):
+            response = site.browser().post("/playerReady", data={"user": user, "ready": ready})
+            assert (response.status_code, response.text) == (200, '{"status": "STARTED"}')
+    assert [player.ready for player in site.battle.snapshot().players] == [True, True]
+
+
+# updateGameStatus
+
+
+def test_status_without_players_is_the_two_characters(browser):
+    response = browser.post("/updateGameStatus", data={"data": "data"})
+    assert response.text == '{"game": 0, "status": "OK", "timeLeft": 0, "users": "[]"}'
+
+
+def test_status_with_one_player_is_json_within_json(browser):
+    sign_up(browser, "al")
+    response = browser.post("/updateGameStatus", data={"data": "data"})
+    assert response.text == (
+        '{"game": 0, "status": "OK", "timeLeft": 0, '
+        '"users": "[{\\"ready\\": 0, \\"life\\": 100, \\"name\\": \\"al\\", \\"robot\\": 0}]"}'
+    )
+
+
+def test_status_needs_no_field_and_no_session(browser):
+    assert body(browser.post("/updateGameStatus"))["status"] == "OK"
+
+
+def test_status_counts_down_from_15_in_whole_seconds(site):
+    for name in ("al", "bo"):
+        browser = site.browser()
+        sign_up(browser, name)
+        browser.post("/playerReady", data={"user": name, "ready": "1"})
+    status = body(site.browser().post("/updateGameStatus"))
+    assert (status["game"], status["timeLeft"]) == (1, 15)
+
+
+# getAvailableRobots, incAlive, session
+
+
+def test_available_robots(browser):
+    assert browser.post("/getAvailableRobots", data={"data": ""}).text == '{"availableR": 3, "status": "OK"}'
+    sign_up(browser, "al")
+    assert body(browser.post("/getAvailableRobots")) == {"availableR": 2, "status": "OK"}
+
+
+def test_pings_of_known_and_unknown_robots(browser):
+    assert browser.post("/incAlive", data={"ID": "2"}).text == '{"status": "OK"}'
+    for unknown in ("3", "-1", "128", "999999999"):
+        assert browser.post("/incAlive", data={"ID": unknown}).text == '{"status": "ERROR"}'
+
+
+@pytest.mark.parametrize("robot_id", ["", "x", "1.0", " 1 ", "١", "0x1", "1e3", "+1", "--1", "1\n", "9" * 5000, "None"])
+def test_an_id_that_is_no_integer_is_refused(browser, robot_id):
+    response = browser.post("/incAlive", data={"ID": robot_id})
+    assert response.status_code == 400
+    assert body(response) == {"error": "ID must be a whole number", "status": "ERROR"}
+
+
+def test_session_tells_the_page_who_it_is(site, browser):
+    assert browser.get("/session").text == '{"status": "UNREGISTERED"}'
+    sign_up(browser, "al")
+    assert browser.get("/session").text == '{"robot": 0, "status": "OK", "user": "al"}'
+    assert site.browser().get("/session").text == '{"status": "UNREGISTERED"}'
+
+
+# every route
+
+
+@pytest.mark.parametrize(
+    ("route", "fields", "missing"),
+    [
+        ("/signUpUser", {}, "data"),
+        ("/signUpUser", {"user": "al"}, "data"),
+        ("/signOutUser", {}, "data"),
+        ("/playerReady", {}, "user"),
+        ("/playerReady", {"user": "al"}, "ready"),
+        ("/playerReady", {"ready": "1"}, "user"),
+        ("/incAlive", {}, "ID"),
+        ("/incAlive", {"id": "0"}, "ID"),
+    ],
+)
+def test_a_missing_field_is_named(browser, route, fields, missing):
+    response = browser.post(route, data=fields)
+    assert response.status_code == 400
+    assert body(response) == {"error": f"the form field {missing} is missing", "status": "ERROR"}
+
+
+@pytest.mark.parametrize(
+    "content_type", ["application/json", "text/plain", "multipart/form-data", "", "x/y; charset=utf-99"]
+)
+@pytest.mark.parametrize("content", [b"\xff\x00\xfe", b'{"data": "al"}', b"data", b""])
+def test_a_body_that_is_no_form_is_a_missing_field(browser, content, content_type):
+    response = browser.post("/signUpUser", data=content, content_type=content_type)
+    assert response.status_code == 400
+    assert body(response)["status"] == "ERROR"
+
+
+def test_broken_utf8_in_a_name_is_a_bad_name(browser):
+    response = browser.post("/signUpUser", data=b"data=%ff%fe", content_type="application/x-www-form-urlencoded")
+    assert response.status_code == 400
+
+
+@pytest.mark.parametrize("route", POST_ROUTES)
+def test_a_huge_body_is_refused_as_json(site, browser, route):
+    response = browser.post(route, data={"data": "x" * 20_000})
+    assert response.status_code == 413
+    content = body(response)
+    assert content["status"] == "ERROR"
+    assert content["error"]
+    assert players(site) == []
+
+
+@pytest.mark.parametrize("origin", ["http://evil.example", "null", "http://localhost:8080", "http://[", ""])
+@pytest.mark.parametrize("route", POST_ROUTES)
+def test_a_form_on_another_site_is_refused(site, browser, route, origin):
+    response = browser.post(route, data={"data": "al", "ID": "0"}, headers={"Origin": origin})
+    assert response.status_code == 403
+    assert body(response)["status"] == "ERROR"
+    assert players(site) == []
+
+
+def test_the_own_page_is_not_another_site(browser):
+    response = browser.post("/signUpUser", data={"data": "al"}, headers={"Origin": "http://localhost"})
+    assert body(response)["status"] == "OK"
+
+
+def test_any_request_with_the_session_is_a_sign_of_life():
+    now = [100.0]
+    battle = Battle(Referee(Rules(robot_timeout=1000.0)), clock=lambda: now[0])
+    battle.add_robot("/a")
+    browser = create_app(battle, Settings()).test_client()
+    stranger = create_app(battle, Settings()).test_client()
+    browser.post("/signUpUser", data={"data": "al"})
+    for _ in range(4):
+        now[0] += 10
+        browser.post("/updateGameStatus")
+    now[0] += 14
+    stranger.post("/updateGameStatus")
+    assert body(browser.get("/session"))["status"] == "OK"
+    now[0] += 15.1
+    assert body(browser.get("/session"))["status"] == "UNREGISTERED"

@@ -1,0 +1,149 @@
+"""Who is there: signing up and out, silent robots, closed pages."""
+
+import pytest
+
+from server.referee import Verdict
+
+
+def sign_up(match, name, session="s", old_session=None):
+    verdict, player = match.referee.sign_up(name, session, 0, match.now, old_session)
+    return verdict, player and player.robot
+
+
+def test_sign_up_claims_the_lowest_free_robot(match):
+    assert sign_up(match, "ada", "1") == (Verdict.OK, 0)
+    assert sign_up(match, "bob", "2") == (Verdict.OK, 1)
+    assert match.referee.sign_out("ada", "1", match.now) is Verdict.OK
+    assert sign_up(match, "cy", "3") == (Verdict.OK, 0)
+    assert match.state.available_robots == 2
+
+
+def test_a_name_is_taken_only_once_and_case_matters(match):
+    sign_up(match, "ada", "1")
+    assert sign_up(match, "ada", "2") == (Verdict.NAME_TAKEN, None)
+    assert sign_up(match, "Ada", "3") == (Verdict.OK, 1)
+    assert match.player("ada").session == "1"
+
+
+def test_without_a_free_robot_nobody_signs_up(new_match):
+    match = new_match(robots=1)
+    sign_up(match, "ada")
+    before = match.state
+    assert sign_up(match, "bob") == (Verdict.NO_ROBOTS, None)
+    assert sign_up(match, "ada", "other") == (Verdict.NAME_TAKEN, None)
+    assert match.state == before
+
+
+def test_signing_up_again_with_the_same_session_keeps_the_robot(match):
+    sign_up(match, "ada", "1")
+    assert sign_up(match, "ada", "2", old_session="1") == (Verdict.OK, 0)
+    assert match.player("ada").session == "1"
+    assert match.state.available_robots == 3
+
+
+def test_a_new_user_has_full_life_and_is_not_ready(match):
+    sign_up(match, "ada")
+    player = match.player("ada")
+    assert (player.life, player.ready) == (100, False)
+
+
+def test_nobody_signs_another_out(match):
+    match.sign_up("ada")
+    assert match.referee.sign_out("ada", "stranger", match.now) is Verdict.NOT_YOURS
+    assert match.referee.sign_out("bob", match.session("bob"), match.now) is Verdict.UNKNOWN_USER
+    assert match.names == ["ada"]
+
+
+def test_a_silent_robot_is_removed_after_2_to_4_seconds_and_its_player_with_it(match):
+    match.sign_up("ada", "bob")
+    match.wait(2, dead_robots=(0,))
+    assert match.names == ["ada", "bob"]
+    match.wait(2, dead_robots=(0,))
+    assert match.names == ["bob"]
+    assert match.state.robots == (1, 2, 3)
+    assert not match.referee.robot_alive(0, match.now)
+
+
+def test_three_robots_that_die_together_are_removed_together(match):
+    match.wait(2.9, dead_robots=(0, 1, 2))
+    assert match.state.robots == (0, 1, 2, 3)
+    match.wait(0.2, dead_robots=(0, 1, 2))
+    assert match.state.robots == (3,)
+
+
+def test_a_robot_that_pings_stays(match):
+    match.wait(60)
+    assert match.state.robots == (0, 1, 2, 3)
+
+
+def test_a_robot_lost_in_a_battle_makes_its_player_a_quitter(match):
+    match.start("ada", "bob", "cy")
+    match.wait(4, dead_robots=(0,))
+    assert match.state.game == 2
+    match.hit("bob", times=10)
+    assert match.ranking == [(1, "cy"), (2, "bob"), (3, "ada")]
+    assert match.placing("ada").left
+
+
+def test_the_opponents_robot_lost_ends_the_battle_with_a_reason(match):
+    match.start("ada", "bob")
+    match.wait(4, dead_robots=(1,))
+    assert match.state.game == 0
+    assert match.ranking == [(1, "ada"), (2, "bob")]
+    assert "bob lost the robot" in match.state.notice
+
+
+def test_no_double_damage_after_a_robot_came_back(match):
+    match.start("ada", "bob", "cy")
+    match.hit("ada", times=10)
+    match.wait(4, dead_robots=(0,))
+    assert match.referee.add_robot("/id_service_client_0", match.now) == 0
+    match.sign_up("dee")
+    assert match.player("dee").robot == 0
+    match.hit("bob", times=10)
+    match.ready("dee", "cy")
+    match.wait(15)
+    match.hit("dee")
+    assert match.player("dee").life == 90
+    assert match.player("cy").life == 100
+
+
+def test_a_robot_that_registers_again_while_listed_keeps_its_player(match):
+    match.start("ada", "bob")
+    match.wait(2, dead_robots=(0,))
+    assert match.referee.add_robot("/id_service_client_0", match.now) == 0
+    match.wait(2.5, dead_robots=(0,))
+    assert match.player("ada").robot == 0
+    assert match.state.game == 2
+
+
+def test_a_player_whose_page_is_gone_for_15_seconds_is_signed_out(match):
+    match.sign_up("ada", "bob")
+    match.wait(14.9, gone_pages=("ada",))
+    assert match.names == ["ada", "bob"]
+    match.wait(0.2, gone_pages=("ada",))
+    assert match.names == ["bob"]
+    assert match.state.available_robots == 3
+
+
+def test_a_closed_page_cannot_hold_up_a_battle(match):
+    match.start("ada", "bob")
+    match.wait(16, gone_pages=("bob",))
+    assert match.state.game == 0
+    assert match.ranking == [(1, "ada"), (2, "bob")]
+    assert match.placing("bob").left
+    assert "bob left the page" in match.state.notice
+
+
+def test_a_sign_of_life_names_the_player_of_the_session(match):
+    match.sign_up("ada")
+    assert match.referee.seen(match.session("ada"), match.now).name == "ada"
+    assert match.referee.seen("stranger", match.now) is None
+
+
+def test_the_next_deadline_is_the_earliest_of_all(new_match):
+    match = new_match(robots=0)
+    assert match.referee.next_deadline() is None
+    match.referee.add_robot("/a", 1000.0)
+    match.referee.add_robot("/b", 1001.0)
+    assert match.referee.next_deadline() == pytest.approx(1003.0)

@@ -1,0 +1,91 @@
+"""Robot IDs: unique, lasting for named robots, 0 to 127."""
+
+import pytest
+
+from server.robot import IDS, Robots
+
+
+def register(robots, *callers):
+    added = [robots.add_robot(caller, 0.0) for caller in callers]
+    return [robot and robot.id for robot in added]
+
+
+def remove(robots, *ids):
+    for robot_id in ids:
+        robots.del_robot(robots.get_robot(robot_id))
+
+
+def test_ids_start_at_zero_and_the_lowest_free_one_is_given():
+    robots = Robots()
+    assert register(robots, "/unnamed", "/unnamed", "/unnamed") == [0, 1, 2]
+    remove(robots, 1)
+    assert register(robots, "/unnamed") == [1]
+    assert [robot.id for robot in robots] == [0, 1, 2]
+
+
+def test_a_named_robot_gets_its_id_back():
+    robots = Robots()
+    assert register(robots, "/a", "/b") == [0, 1]
+    remove(robots, 0, 1)
+    assert register(robots, "/b", "/a") == [1, 0]
+
+
+def test_strangers_do_not_get_the_id_of_an_absent_named_robot():
+    robots = Robots({"/a": 0, "/b": 2})
+    assert register(robots, "/unnamed", "/c", "/b") == [1, 3, 2]
+
+
+def test_registering_again_while_listed_is_the_same_robot():
+    robots = Robots()
+    register(robots, "/a")
+    robots.get_robot(0).user = "ada"
+    again = robots.add_robot("/a", 7.0)
+    assert (again.id, again.user, again.alive_at) == (0, "ada", 7.0)
+    assert len(list(robots)) == 1
+
+
+@pytest.mark.parametrize(
+    "caller", ["/unnamed", "", "unnamed", "/rosservice_4711_1700000000000", "/a\nb", "/ünïcode", "/" + "a" * 300]
+)
+def test_callers_without_a_lasting_name_are_never_remembered(caller):
+    robots = Robots()
+    assert register(robots, caller, caller) == [0, 1]
+    assert robots.known == {}
+
+
+def test_named_robots_are_remembered():
+    robots = Robots({"/old": 5})
+    register(robots, "/unnamed", "/new")
+    assert robots.known == {"/old": 5, "/new": 1}
+
+
+def test_a_roster_that_gives_one_id_twice_still_gives_unique_ids():
+    robots = Robots({"/a": 0, "/b": 0})
+    ids = register(robots, "/a", "/b")
+    assert ids == [0, 1]
+    assert robots.known == {"/a": 0, "/b": 1}
+
+
+def test_the_129th_robot_gets_no_id():
+    robots = Robots()
+    assert register(robots, *(f"/r{number}" for number in IDS)) == list(range(128))
+    assert register(robots, "/one_more", "/unnamed") == [None, None]
+    assert register(robots, "/r5") == [5]
+
+
+def test_a_kept_id_is_given_away_when_there_is_no_other():
+    robots = Robots({"/away": 7})
+    register(robots, *(f"/r{number}" for number in range(127)))
+    assert register(robots, "/new") == [7]
+    assert "/away" not in robots.known
+
+
+def test_available_robots_are_those_without_user_lowest_first():
+    robots = Robots()
+    register(robots, "/a", "/b", "/c")
+    robots.get_robot(0).user = "ada"
+    assert robots.get_available_robot().id == 1
+    assert robots.get_available_robots_n() == 2
+    for robot in robots:
+        robot.user = "x"
+    assert robots.get_available_robot() is None
