@@ -255,7 +255,8 @@ def main() -> int:
             battle.wait_until_ready()
             say(
                 f"\nReady. Open\n"
-                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game ({more_people(options.robots - options.bots)})\n"
+                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game "
+                f"({more_people(options.robots - options.bots)})\n"
                 f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
                 f"Ctrl-C stops everything. What the parts say: {battle.log}"
             )

@@ -67,7 +67,7 @@ class Battle:
         self, name: str, session: str, avatar: int, old_session: str | None = None, wanted: int | None = None
     ) -> tuple[Verdict, Player | None]:
         with self._event() as now:
-            return self._referee.sign_up(name, session, avatar, now, old_session, wanted)
+            return self._referee.sign_up(name, session, avatar, now, old_session=old_session, wanted=wanted)
 
     def sign_out(self, name: str, session: str) -> Verdict:
         with self._event() as now:

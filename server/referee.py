@@ -100,6 +100,7 @@ class Referee:
         session: str,
         avatar: int,
         now: float,
+        *,
         old_session: str | None = None,
         wanted: int | None = None,
     ) -> tuple[Verdict, Player | None]:

@@ -6,7 +6,7 @@ from server.referee import Verdict
 
 
 def sign_up(match, name, session="s", old_session=None):
-    verdict, player = match.referee.sign_up(name, session, 0, match.now, old_session)
+    verdict, player = match.referee.sign_up(name, session, 0, match.now, old_session=old_session)
     return verdict, player and player.robot
 
 

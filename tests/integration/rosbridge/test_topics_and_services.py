@@ -1,0 +1,168 @@
+"""Topics and services over the WebSocket, for operators, who may use all of them."""
+
+import time
+from collections.abc import Callable
+
+import pytest
+
+from tests.integration.rosbridge.ends import Client, RosSide
+from tests.support.polling import until
+from tests.support.ros import RosMaster
+
+Connect = Callable[..., Client]
+
+
+def test_a_second_client_gets_the_latched_state_at_once(ros: RosSide, client: Connect) -> None:
+    ros.status(1)
+    first, second = client(), client()
+    first.watch()
+    first.hear_status(1)
+    second.watch()
+    assert second.hear()["msg"]["game"] == 1
+    assert first.hears_nothing()
+
+
+def test_what_one_publishes_all_subscribers_get_until_they_unsubscribe(client: Connect) -> None:
+    speaker, first, second = client().operate(), client().operate(), client().operate()
+    for listener in (first, second):
+        listener.say("subscribe", topic="chat", type="std_msgs/String", id="s")
+    speaker.say("advertise", topic="/chat", type="std_msgs/String")
+
+    def connected() -> bool:
+        speaker.say("publish", topic="/chat", msg={"data": "hello"})
+        return not first.hears_nothing_for_now()
+
+    until(connected)
+    # each by the name that it used itself
+    assert second.hear() == {"op": "publish", "topic": "chat", "msg": {"data": "hello"}}
+    second.say("unsubscribe", topic="chat", id="s")
+    second.say("call_service", service="/add_new_robot", id="after that")
+    assert second.hear()["id"] == "after that"
+    speaker.say("publish", topic="/chat", msg={"data": "again"})
+    assert first.hear()["msg"] == {"data": "again"}
+    assert second.hears_nothing()
+
+
+def test_a_publisher_serves_until_its_last_client_has_gone(ros: RosSide, client: Connect) -> None:
+    ros.listen("/shared", "std_msgs/String")
+    first, second = client().operate(), client().operate()
+    for speaker in (first, second):
+        speaker.say("advertise", topic="/shared", type="std_msgs/String")
+
+    def connected() -> bool:
+        first.say("publish", topic="/shared", msg={"data": "first"})
+        return bool(ros.heard("/shared"))
+
+    until(connected)
+    first.close()
+    second.say("publish", topic="/shared", msg={"data": "second"})
+    until(lambda: ros.heard("/shared")[-1] == {"data": "second"})
+    second.close()
+    third = client().operate()
+    third.say("advertise", topic="/shared", type="std_msgs/String")
+    third.say("publish", topic="/shared", msg={"data": "third"})
+    until(lambda: ros.heard("/shared")[-1] == {"data": "third"})
+
+
+def test_a_topic_has_one_type(client: Connect) -> None:
+    first, second = client().operate(), client().operate()
+    first.say("advertise", topic="/typed", type="std_msgs/String", latch=True)
+    first.say("publish", topic="/typed", msg={"data": "x"})
+    first.say("subscribe", topic="/typed")
+    assert first.hear()["msg"] == {"data": "x"}
+    second.say("advertise", topic="/typed", type="std_msgs/Bool", id=3)
+    assert second.hear() == {
+        "op": "status", "level": "error", "msg": "/typed is of type std_msgs/String, not std_msgs/Bool", "id": 3,
+    }  # fmt: skip
+
+
+def test_throttled_messages_come_no_faster_and_queued_ones_are_not_lost(ros: RosSide, client: Connect) -> None:
+    throttled, queued = client().operate(), client().operate()
+    throttled.say("subscribe", topic="/fast", type="std_msgs/Int32", throttle_rate=300)
+    queued.say("subscribe", topic="/fast", type="std_msgs/Int32", throttle_rate=100, queue_length=10)
+
+    def connected() -> bool:
+        ros.publish("/fast", "std_msgs/Int32", data=0)
+        return not queued.hears_nothing_for_now()
+
+    until(connected)
+    until(queued.hears_nothing_for_now)
+    until(throttled.hears_nothing_for_now)
+    start = time.monotonic()
+    for number in range(1, 6):
+        ros.publish("/fast", "std_msgs/Int32", data=number)
+    assert [queued.hear()["msg"]["data"] for _ in range(5)] == [1, 2, 3, 4, 5]
+    assert time.monotonic() - start > 0.35
+    assert throttled.hear()["msg"]["data"] == 1
+    assert throttled.hears_nothing()
+
+
+def test_a_service_answers(ros: RosSide, client: Connect) -> None:
+    operator = client().operate()
+    for args in ({}, {"args": []}, {"args": {}}, {"args": None}):
+        operator.say("call_service", service="add_new_robot", id="call:1", **args)
+        assert operator.hear() == {
+            "op": "service_response", "service": "add_new_robot", "values": {"ID": 7}, "result": True, "id": "call:1",
+        }  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("service", "args", "reason"),
+    [
+        ("/fails", {}, "no robot is left"),
+        ("/no_such_service", {}, "there is no such service"),
+        ("/add_new_robot", {"ID": 1}, "has no field"),
+        ("/add_new_robot", [1], "takes 0 arguments"),
+        ("not a name", {}, "is not a ROS name"),
+    ],
+)
+def test_a_failed_service_call_says_why(ros: RosSide, client: Connect, service: str, args: object, reason: str) -> None:
+    operator = client().operate()
+    operator.say("call_service", service=service, args=args, id=9)
+    assert reason in operator.hear_error()
+    answer = operator.hear()
+    assert reason in answer.pop("values")
+    assert answer == {"op": "service_response", "service": service, "result": False, "id": 9}
+
+
+def test_a_slow_service_is_waited_for_no_longer_than_asked_and_blocks_nobody(ros: RosSide, client: Connect) -> None:
+    operator = client().operate()
+    for number in range(16):
+        operator.say("call_service", service="/slow", id=number, timeout=1)
+    operator.say("call_service", service="/add_new_robot", id="one too many")
+    assert "16 service calls" in operator.hear_error()
+    assert operator.hear()["id"] == "one too many"
+    other = client().operate()
+    start = time.monotonic()
+    other.say("call_service", service="/add_new_robot")
+    assert other.hear()["result"] is True
+    assert time.monotonic() - start < 0.9
+    answers = [operator.hear() for _ in range(32)]
+    assert [a["id"] for a in answers if a["op"] == "service_response"] == list(range(16))
+    assert {a["values"] for a in answers if a["op"] == "service_response"} == {"no response within 1 s"}
+
+
+def test_a_robot_that_hangs_delays_nobody_and_is_driven_again_when_it_is_back(
+    ros_master: RosMaster, client: Connect
+) -> None:
+    operator = client().operate()
+    robot = RosSide(ros_master.env)
+    try:
+        robot.listen("/Robot8/command")
+
+        def driven(speed: int) -> bool:
+            operator.drive(8, {"linear_x": speed})
+            return any(command["linear_x"] == speed for command in robot.heard("/Robot8/command"))
+
+        until(lambda: driven(1), what="the robot")
+        robot.freeze(True)
+        for _ in range(20_000):
+            operator.drive(8)
+        start = time.monotonic()
+        operator.say("nonsense")
+        operator.hear_error()
+        assert time.monotonic() - start < 5
+        robot.freeze(False)
+        until(lambda: driven(2), what="the robot, back again")
+    finally:
+        robot.close()

@@ -1,0 +1,99 @@
+"""Robots register by the real service and keep their IDs."""
+
+import json
+import socket
+import xmlrpc.client
+from urllib.parse import urlsplit
+
+from tests.support.polling import until
+
+
+def available(server) -> int:
+    return server.post("getAvailableRobots")["availableR"]
+
+
+def roster(tmp_path) -> dict[str, int]:
+    return json.loads((tmp_path / "data" / "robots.json").read_text())
+
+
+def test_robots_get_the_lowest_free_ids_and_are_available(server):
+    assert available(server) == 0
+    assert [server.robot(name).id for name in ("a", "b", "-")] == [0, 1, 2]
+    assert available(server) == 3
+
+
+def test_a_robot_gets_its_id_back_after_a_restart_of_the_server(server, tmp_path):
+    first, second = server.robot("a"), server.robot("b")
+    assert (first.id, second.id) == (0, 1)
+    assert roster(tmp_path) == {"/id_service_client_a": 0, "/id_service_client_b": 1}
+    first.vanish()
+    server.program.kill()
+    server.launch()
+    server.wait_until_serving()
+    second.wait_for_registration(2)
+    assert second.id == 1
+    assert server.robot("a").id == 0
+
+
+def test_a_robot_that_restarts_at_once_keeps_its_player(server):
+    first = server.robot("a")
+    ada = server.player("ada")
+    first.vanish()
+    again = server.robot("a")
+    assert again.id == 0
+    assert available(server) == 0
+    assert json.loads(ada.post("updateGameStatus")["users"])[0]["name"] == "ada"
+
+
+def test_an_operators_roster_is_obeyed(launch, tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "robots.json").write_text('{"/id_service_client_a": 7}')
+    server = launch()
+    server.wait_until_serving()
+    assert server.robot("b").id == 0
+    assert server.robot("a").id == 7
+
+
+def test_a_broken_roster_is_kept_aside_and_robots_start_afresh(launch, tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "robots.json").write_text('{"/id_service_client_a": ')
+    server = launch()
+    server.wait_until_serving()
+    assert "robots.json is broken" in server.program.output
+    assert server.robot("b").id == 0
+    assert roster(tmp_path) == {"/id_service_client_b": 0}
+    assert (tmp_path / "data" / "robots.json.broken").exists()
+
+
+def test_the_129th_robot_is_refused_in_words(server):
+    crowd = server.peer("crowd")
+    text = crowd.wait_for("refused after", 30)
+    ids, error = json.loads(text[text.index("[") : text.index("]") + 1]), text
+    assert ids == list(range(128))
+    assert "no ID left" in error
+    assert available(server) == 128
+    assert "Traceback" not in server.program.output
+
+
+def test_a_silent_robot_is_removed_and_its_subscription_with_it(server):
+    robot = server.robot("a")
+    robot.vanish()
+    until(lambda: available(server) == 0, 6)
+    until(lambda: "robot 0 is gone" in server.program.output)
+    assert server.post("incAlive", ID=0) == {"status": "ERROR"}
+
+
+def test_peers_that_stall_while_greeting_hold_up_nobody_and_are_cut_off(server, ros_master):
+    with xmlrpc.client.ServerProxy(ros_master.uri) as master:
+        _, _, service = master.lookupService("/test", "/add_new_robot")
+    place = urlsplit(service)
+    stalled = [socket.create_connection((place.hostname, place.port), 10) for _ in range(3)]
+    try:
+        stalled[0].sendall(b"POST / HTTP/1.1\r\n")  # which says: a greeting of 1.4 GB
+        stalled[1].sendall(b"\x10\x00")
+        assert server.robot("a").id == 0
+        assert [client.recv(1) for client in stalled] == [b""] * 3
+    finally:
+        for client in stalled:
+            client.close()
+    assert "Traceback" not in server.program.output
