@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
@@ -14,15 +15,15 @@ if TYPE_CHECKING:
 Handler = Callable[[Request, float], list[Effect]]  # (request, monotonic time in s); RequestError refuses the request
 
 
-class Family:
+class Family(ABC):
     """Operations that belong together, and what one client has open through them."""
 
     def __init__(self, session: Session) -> None:
         self.session = session
 
+    @abstractmethod
     def handlers(self) -> Mapping[str, Handler]:
         """The operations by name."""
-        raise NotImplementedError
 
     def updated(self, now: float) -> list[Effect]:
         """The battle has changed, or some time has passed."""
