@@ -9,7 +9,7 @@ from server.settings import Settings
 
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
 
-# the page opens a WebSocket to rosbridge: same host, another port
+# the page opens a WebSocket to rosbridge, and shows the arena's view: same host, other ports
 _PAGE_POLICY = (
     "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self' ws: wss:; "
     "object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
@@ -19,6 +19,7 @@ _PAGE_POLICY = (
 def create_app(battle: Battle, settings: Settings) -> Flask:
     """The WSGI application that serves `battle`."""
     app = Flask(__name__)
+    page_policy = _PAGE_POLICY + (f"; frame-src *:{settings.view_port}" if settings.view_port else "")
     api = create_api(battle)
     app.register_blueprint(api)
 
@@ -35,8 +36,8 @@ def create_app(battle: Battle, settings: Settings) -> Flask:
         return render_template("about.html")
 
     @app.context_processor
-    def page_variables() -> dict[str, int]:
-        return {"rosbridge_port": settings.rosbridge_port}
+    def page_variables() -> dict[str, int | None]:
+        return {"rosbridge_port": settings.rosbridge_port, "view_port": settings.view_port}
 
     @app.before_request
     def refuse_other_sites() -> Response | None:
@@ -60,7 +61,7 @@ def create_app(battle: Battle, settings: Settings) -> Flask:
     @app.after_request
     def set_headers(response: Response) -> Response:
         headers = response.headers
-        headers.setdefault("Content-Security-Policy", _PAGE_POLICY)
+        headers.setdefault("Content-Security-Policy", page_policy)
         headers["X-Content-Type-Options"] = "nosniff"
         headers["Referrer-Policy"] = "same-origin"
         if request.endpoint != "static":

@@ -22,6 +22,7 @@ class Settings:
     bind: str = "0.0.0.0"
     web_port: int = 5000
     rosbridge_port: int = 9090
+    view_port: int | None = None  # of an arena's view, on the host that serves the page; None: there is none to show
     master_uri: str = "http://localhost:11311"
     data: Path = Path("~/.local/share/laserbot")
     log_level: str = "info"
@@ -43,6 +44,7 @@ class Settings:
             bind=environ.get("LASERBOT_BIND") or cls.bind,
             web_port=int(_number(environ, "LASERBOT_WEB_PORT", cls.web_port, 1, 65535, whole=True)),
             rosbridge_port=int(_number(environ, "LASERBOT_ROSBRIDGE_PORT", cls.rosbridge_port, 1, 65535, whole=True)),
+            view_port=int(_number(environ, "LASERBOT_VIEW_PORT", 0, 1, 65535, whole=True)) or None,
             master_uri=environ.get("ROS_MASTER_URI") or cls.master_uri,
             data=_folder(environ.get("LASERBOT_DATA") or cls.data),
             log_level=log_level,

@@ -12,6 +12,9 @@ const roster = document.getElementById("robots");
 
 const LINK_TEXT = { connecting: "connecting", live: "live", lost: "arena not reachable, trying again" };
 
+// another page shows the floor only
+if (new URLSearchParams(location.search).has("embedded")) document.body.classList.add("embedded");
+
 const scene = new Scene(canvas);
 const motion = new Motion();
 

@@ -82,6 +82,9 @@ def test_two_people_play_to_the_end(
     for person in people:
         expect(person.page.locator("#game-status")).to_contain_text("PLAY!", timeout=10_000)
 
+    arena = ann.page.frame_locator("#camera").locator("#floor")
+    expect(arena).to_be_visible()
+
     above = chromium.new_page(viewport={"width": 1280, "height": 800})
     above.goto(f"http://127.0.0.1:{battle.arena_port}/")
     with Eyes(battle) as eyes:
@@ -102,7 +105,7 @@ def test_two_people_play_to_the_end(
             ann.hold(hunt(robots[ann.robot], robots[bob.robot]))
             return "75" in bob_life.inner_text()
 
-        until(bob_is_hurt, 60, "Ann hits Bob")
+        until(bob_is_hurt, 120, "Ann hits Bob")
         expect(ann.page.locator("#userList")).to_contain_text("75")
         assert "100" in ann_life.inner_text()
         ann.page.screenshot(path=screenshots / "home.png")
@@ -113,7 +116,7 @@ def test_two_people_play_to_the_end(
             ann.hold(hunt(robots[ann.robot], robots[bob.robot]))
             return "YOU WIN!" in ann.page.locator("body").inner_text()
 
-        until(over, 60, "Ann wins")
+        until(over, 120, "Ann wins")
     ann.hold((0, 0, False))
     expect(bob.page.locator("body")).to_contain_text("YOU LOST!")
     expect(ann.page.locator("dialog[open]")).to_contain_text("Ann")

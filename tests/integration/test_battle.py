@@ -82,7 +82,7 @@ def test_shots_lower_the_life_on_every_page_and_end_the_battle(battle: Battle, p
                 lives.append(life)
             return ann.look()["game"] == STOPPED
 
-        until(over, 60, "Ann shoots Bob to the end")
+        until(over, 120, "Ann shoots Bob to the end")
         assert lives == [100, 60, 20, 0]
         for player in players:
             result = [

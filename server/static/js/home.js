@@ -202,6 +202,16 @@ async function whoAmI() {
   }
 }
 
+/** The arena's view on the stage, where there is one: it is on the host that served this page. */
+function showArena() {
+  const port = document.querySelector("meta[name=view-port]")?.content;
+  if (!port) return;
+  const camera = byId("camera");
+  camera.src = `${location.protocol}//${location.hostname}:${port}/?embedded`;
+  camera.hidden = false;
+  document.body.classList.add("has-camera");
+}
+
 async function main() {
   const session = await whoAmI();
   if (session.status !== "OK") {
@@ -214,6 +224,7 @@ async function main() {
   if (user?.name !== session.user || user.robotN !== session.robot) {
     user = storage.save(session.user, session.robot, 0, new Date());
   }
+  showArena();
   new Game({ name: session.user, robot: session.robot, avatar: user.imgIndex, date: user.date }).start();
 }
 

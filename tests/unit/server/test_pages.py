@@ -34,6 +34,15 @@ def test_home_tells_where_rosbridge_is(browser):
     assert '<meta name="rosbridge-port" content="9123">' in browser.get("/home").text
 
 
+def test_home_shows_the_arena_where_there_is_a_view_of_it(browser):
+    with_view = create_app(Battle(Referee(Rules())), Settings(view_port=8123)).test_client().get("/home")
+    assert '<meta name="view-port" content="8123">' in with_view.text
+    assert "frame-src *:8123" in with_view.headers["Content-Security-Policy"]
+    without = browser.get("/home")
+    assert "view-port" not in without.text
+    assert "frame-src" not in without.headers["Content-Security-Policy"]
+
+
 @pytest.mark.parametrize("method", ["get", "post"])
 @pytest.mark.parametrize("path", ["/nothing", "/home/", "/streaming", "/signupuser", "/../main.py"])
 def test_an_unknown_address_gets_the_404_page(browser, path, method):

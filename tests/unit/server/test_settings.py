@@ -10,6 +10,7 @@ from server.settings import Settings, SettingsError
 def test_defaults():
     settings = Settings.from_env({"HOME": "/home/op"})
     assert (settings.bind, settings.web_port, settings.rosbridge_port) == ("0.0.0.0", 5000, 9090)
+    assert settings.view_port is None
     assert settings.master_uri == "http://localhost:11311"
     assert settings.data.parts[-3:] == (".local", "share", "laserbot")
     assert settings.data.is_absolute()
@@ -23,6 +24,7 @@ def test_every_variable_is_read():
             "LASERBOT_BIND": "127.0.0.1",
             "LASERBOT_WEB_PORT": "80",
             "LASERBOT_ROSBRIDGE_PORT": "91",
+            "LASERBOT_VIEW_PORT": "92",
             "LASERBOT_HIT_DAMAGE": "25",
             "LASERBOT_COUNTDOWN": "0.5",
             "LASERBOT_BATTLE_LIMIT": "60",
@@ -33,6 +35,7 @@ def test_every_variable_is_read():
         }
     )
     assert (settings.bind, settings.web_port, settings.rosbridge_port) == ("127.0.0.1", 80, 91)
+    assert settings.view_port == 92
     rules = settings.rules
     assert (rules.hit_damage, rules.countdown, rules.battle_limit, rules.player_timeout) == (25, 0.5, 60, 30)
     assert (settings.data, settings.log_level, settings.master_uri) == (Path("/data"), "debug", "http://master:1")
@@ -46,6 +49,7 @@ def test_every_variable_is_read():
         ("LASERBOT_WEB_PORT", "65536"),
         ("LASERBOT_WEB_PORT", "80.5"),
         ("LASERBOT_ROSBRIDGE_PORT", "-1"),
+        ("LASERBOT_VIEW_PORT", "0"),
         ("LASERBOT_HIT_DAMAGE", "0"),
         ("LASERBOT_HIT_DAMAGE", "101"),
         ("LASERBOT_HIT_DAMAGE", "2.5"),
