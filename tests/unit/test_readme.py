@@ -1,0 +1,27 @@
+"""The README's tables say what the code does."""
+
+import re
+
+from tests.support.programs import ROOT
+
+README = (ROOT / "README.md").read_text()
+VARIABLE = re.compile(r"\bLASERBOT_[A-Z]+(?:_[A-Z]+)*\b")
+
+
+def test_every_variable_that_a_program_reads_is_in_the_table_and_no_other() -> None:
+    sources = [
+        path
+        for folder in ("server", "robot", "sim", "ci", "laser_bot_battle")
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in {".py", ".launch", ".c", ""} and path.is_file() and "bundle" not in path.parts
+    ]
+    read = {name for path in sources for name in VARIABLE.findall(path.read_text())}
+    listed = set(re.findall(r"^\| `(LASERBOT_\w+)` \|", README, re.MULTILINE))
+    assert listed == read
+
+
+def test_every_folder_and_command_that_is_named_exists() -> None:
+    for folder in re.findall(r"`(\w+(?:/\w+)*/)`", README):
+        assert (ROOT / folder).is_dir() or (ROOT / "tests" / folder).is_dir(), folder
+    targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+    assert set(re.findall(r"\bmake (\w+)", README)) <= targets
