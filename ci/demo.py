@@ -151,10 +151,10 @@ class Battle:
             # a WebSocket server answers plain HTTP too: 426 Upgrade Required
             "rosbridge": request(self.ports["LASERBOT_ROSBRIDGE_PORT"], "GET", "/") is not None,
             "arena": arena is not None and arena[0] == 200,
-            f"{self.robots} virtual robots": robots >= self.robots,
+            counted(self.robots, "virtual robot"): robots >= self.robots,
         }
         if self.bots:
-            steps[f"{self.bots} bot" + "s" * (self.bots > 1)] = len(players) >= self.bots
+            steps[counted(self.bots, "bot")] = len(players) >= self.bots
         return steps
 
     def wait_until_ready(self) -> None:
@@ -219,11 +219,17 @@ def say(text: str) -> None:
     print(text, flush=True)
 
 
-def more_people(robots: int) -> str:
-    """What a second person has to do, with that many robots for people."""
-    if robots > 1:
-        return "more people: another browser or a private window"
-    return "a second person needs a robot too: make demo ROBOTS=3, or BOTS=0"
+def counted(number: int, thing: str) -> str:
+    return f"{number} {thing}" + "s" * (number != 1)
+
+
+def who_can_play(people: int) -> str:
+    """What to do for more players, when that many robots are left to people."""
+    if people == 0:
+        return "Bots have all robots: watch them, or start with BOTS=0 to play."
+    if people == 1:
+        return "For a second person start with BOTS=0 or ROBOTS=3, and use another browser or a private window."
+    return f"{people} people can play, each in another browser or a private window."
 
 
 def count(text: str) -> int:
@@ -242,7 +248,9 @@ def main() -> int:
     parser.add_argument("--bots", type=count, default=1, help="robots that a program plays (default 1)")
     options = parser.parse_args()
     if options.bots > options.robots:
-        parser.error(f"{options.bots} bots need {options.bots} robots, there are {options.robots}")
+        parser.error(
+            f"{counted(options.bots, 'bot')} cannot play with {counted(options.robots, 'robot')}: start more robots"
+        )
     for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(signum, on_signal)
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
@@ -250,14 +258,14 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="laserbot-") as folder:
         try:
             ports = read_ports()
-            say(f"Starting the battle: {options.robots} robots, {options.bots} of them played by a bot ...")
+            say(f"Starting the battle: {counted(options.robots, 'virtual robot')}, {counted(options.bots, 'bot')} ...")
             battle = Battle(options.robots, options.bots, ports, Path(folder))
             battle.wait_until_ready()
             say(
                 f"\nReady. Open\n"
-                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game "
-                f"({more_people(options.robots - options.bots)})\n"
+                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game\n"
                 f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
+                f"{who_can_play(options.robots - options.bots)}\n"
                 f"Ctrl-C stops everything. What the parts say: {battle.log}"
             )
             battle.wait()

@@ -88,7 +88,7 @@ def test_a_port_in_use_is_one_clear_line() -> None:
     [
         (["--robots", "two"], {}, "'two' is not a number from 0 to 8"),
         (["--robots", "9"], {}, "'9' is not a number from 0 to 8"),
-        (["--robots", "1", "--bots", "2"], {}, "2 bots need 2 robots, there are 1"),
+        (["--robots", "1", "--bots", "2"], {}, "2 bots cannot play with 1 robot: start more robots"),
         ([], {"LASERBOT_WEB_PORT": "http"}, "LASERBOT_WEB_PORT='http' is no port number"),
         ([], {"LASERBOT_ROSBRIDGE_PORT": "0"}, "LASERBOT_ROSBRIDGE_PORT='0' is no port number"),
         ([], {"LASERBOT_WEB_PORT": "7001", "LASERBOT_ARENA_PORT": "7001"}, "are both 7001"),
