@@ -6,6 +6,7 @@ help:
 	@echo 'make test                      every test there is'
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
+	@echo 'make images [PUSH=host:port] [ARCHIVE=file]  the container images, for all platforms'
 	@echo 'make clean                     removes what was built (not the Debian packages)'
 
 ROBOTS ?= 2
@@ -32,3 +33,13 @@ setup:
 
 clean:
 	rm -rf build .venv node_modules server/static/bundle
+
+# ---- images ----
+.PHONY: images images-lock
+
+images:
+	@ci/setup images
+	@exec ci/images
+
+images-lock:
+	@exec ci/images-lock

@@ -1,6 +1,6 @@
 """What rosbridge costs: `python3 -m tests.bench.bench_rosbridge` prints CPU time and latency per message.
 
-Budgets (design.md): 47 to 72 us of CPU per publish, 39 to 58 us per delivery, half of upstream's rosbridge.
+Budgets: 47 to 72 us of CPU per publish, 39 to 58 us per delivery, half of upstream's rosbridge.
 CPU time is measured in bursts. At the pace of players, waking up for each message comes on top, which on a virtual
 machine can be several times as much: an empty websockets server that only receives pays it as well.
 """
