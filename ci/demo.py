@@ -9,14 +9,17 @@ import ctypes
 import http.client
 import json
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import sys
-import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
+
+from server.settings import Settings, SettingsError
 
 ROOT = Path(__file__).resolve().parent.parent
 HOST = "127.0.0.1"
@@ -44,11 +47,19 @@ class Interrupted(Exception):  # noqa: N818 - not an error
     """The user wants to stop (Ctrl-C, SIGTERM, closed terminal)."""
 
 
-def read_ports() -> dict[str, int]:
+def read_bind() -> str:
+    """The address to listen at. The parts of the demo meet on the loopback interface, so it must be among them."""
+    bind = os.environ.get("LASERBOT_BIND") or HOST
+    if bind not in (HOST, "0.0.0.0"):
+        raise DemoError(f"LASERBOT_BIND={bind}: choose {HOST} (this machine only) or 0.0.0.0 (the network too).")
+    return bind
+
+
+def read_ports(bind: str) -> dict[str, int]:
     """The port of each part by its variable. Raises DemoError on a bad, doubled or used one."""
     ports: dict[str, int] = {}
     for variable, (default, what) in PORTS.items():
-        text = os.environ.get(variable, str(default))
+        text = os.environ.get(variable) or str(default)
         if not (text.isascii() and text.isdigit() and 0 < int(text) < 65536):
             raise DemoError(f"{variable}={text!r} is no port number. Choose one from 1 to 65535.")
         port = int(text)
@@ -59,7 +70,7 @@ def read_ports() -> dict[str, int]:
         with socket.socket() as probe:
             probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
             try:
-                probe.bind((HOST, port))
+                probe.bind((bind, port))
             except OSError as error:
                 raise DemoError(
                     f"port {port} ({what}) cannot be used: {error.strerror}. "
@@ -84,7 +95,8 @@ def request(port: int, method: str, path: str, timeout: float = 1.0) -> tuple[in
 class Battle:
     """The running demo: roslaunch and all that it started."""
 
-    def __init__(self, robots: int, bots: int, ports: dict[str, int], folder: Path) -> None:
+    def __init__(self, robots: int, bots: int, bind: str, ports: dict[str, int], folder: Path) -> None:
+        """`folder` is empty. DemoError for a setting that the server would refuse."""
         self.robots, self.bots, self.ports = robots, bots, ports
         # the number painted on each virtual robot is its ID, as an operator's roster would have it
         data = folder / "data"
@@ -94,8 +106,8 @@ class Battle:
         for number in range(robots):
             (folder / f"virtual{number}").mkdir()
         environment = {
-            "LASERBOT_BIND": HOST,
             **os.environ,
+            "LASERBOT_BIND": bind,
             **{variable: str(port) for variable, port in ports.items()},
             "LASERBOT_DATA": str(data),
             "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ.get('PATH', os.defpath)}",
@@ -107,9 +119,11 @@ class Battle:
             "PYTHONUNBUFFERED": "1",
         }
         environment.pop("ROS_HOSTNAME", None)
-        # one per web port: two battles may run in one folder
-        self.log = ROOT / "build" / f"demo-{ports['LASERBOT_WEB_PORT']}.log"
-        self.log.parent.mkdir(exist_ok=True)
+        try:
+            Settings.from_env(environment)
+        except SettingsError as error:
+            raise DemoError(str(error)) from None
+        self.log = folder / "log"
         with self.log.open("wb") as log:
             self.roslaunch = subprocess.Popen(
                 [
@@ -137,42 +151,42 @@ class Battle:
             tail = self.log.read_text(errors="replace").splitlines()[-15:]
             raise DemoError("\n  ".join([f"the battle ended by itself. The end of {self.log}:", *tail]))
 
-    def steps(self) -> dict[str, bool]:
-        """What must be there before anyone can play, and whether it is, in the order in which it comes up."""
-        web_port = self.ports["LASERBOT_WEB_PORT"]
-        page = request(web_port, "GET", "/")
-        status = request(web_port, "POST", "/updateGameStatus")
-        players = json.loads(json.loads(status[1])["users"]) if status else []
-        free = request(web_port, "POST", "/getAvailableRobots")
-        robots = len(players) + (json.loads(free[1])["availableR"] if free else 0)
-        arena = request(self.ports["LASERBOT_ARENA_PORT"], "GET", "/")
-        steps = {
-            "web server": page is not None and page[0] == 200,
-            # a WebSocket server answers plain HTTP too: 426 Upgrade Required
-            "rosbridge": request(self.ports["LASERBOT_ROSBRIDGE_PORT"], "GET", "/") is not None,
-            "arena": arena is not None and arena[0] == 200,
-            counted(self.robots, "virtual robot"): robots >= self.robots,
+    def steps(self) -> dict[str, Callable[[], bool]]:
+        """What must be there before anyone can play, in the order in which it comes up, each with its question."""
+        steps: dict[str, Callable[[], bool]] = {
+            "web server": lambda: self.answers("LASERBOT_WEB_PORT", 200),
+            "rosbridge": lambda: self.answers("LASERBOT_ROSBRIDGE_PORT", 426),  # to plain HTTP: Upgrade Required
+            "arena": lambda: self.answers("LASERBOT_ARENA_PORT", 200),
+            counted(self.robots, "virtual robot"): lambda: self.registered_robots() >= self.robots,
         }
         if self.bots:
-            steps[counted(self.bots, "bot")] = len(players) >= self.bots
+            steps[counted(self.bots, "bot")] = lambda: self.players() >= self.bots
         return steps
+
+    def answers(self, port: str, status: int) -> bool:
+        answer = request(self.ports[port], "GET", "/")
+        return answer is not None and answer[0] == status
+
+    def players(self) -> int:
+        """People and bots that are signed in."""
+        answer = request(self.ports["LASERBOT_WEB_PORT"], "POST", "/updateGameStatus")
+        return len(json.loads(json.loads(answer[1])["users"])) if answer else 0
+
+    def registered_robots(self) -> int:
+        answer = request(self.ports["LASERBOT_WEB_PORT"], "POST", "/getAvailableRobots")
+        return self.players() + (int(json.loads(answer[1])["availableR"]) if answer else 0)
 
     def wait_until_ready(self) -> None:
         """Say what has come up as it does. Raises DemoError when something does not in time."""
         deadline = time.monotonic() + READY_WITHIN
-        seen: set[str] = set()
-        while True:
+        missing = self.steps()
+        while missing:
             self.check_running()
-            steps = self.steps()
-            for step, up in steps.items():
-                if up and step not in seen:
-                    seen.add(step)
-                    say(f"  ready: {step}")
-            if all(steps.values()):
-                return
-            if time.monotonic() > deadline:
-                late = ", ".join(step for step, up in steps.items() if not up)
-                raise DemoError(f"not ready after {READY_WITHIN:.0f} s: {late}. {self.log} says more.")
+            for step in [step for step, is_up in missing.items() if is_up()]:
+                say(f"  ready: {step}")
+                del missing[step]
+            if missing and time.monotonic() > deadline:
+                raise DemoError(f"not ready after {READY_WITHIN:.0f} s: {', '.join(missing)}. {self.log} says more.")
             time.sleep(0.1)
 
     def wait(self) -> None:
@@ -194,6 +208,14 @@ class Battle:
         while children():
             reap()
             time.sleep(0.02)
+
+
+def empty_folder(web_port: int) -> Path:
+    """Where this battle keeps its files. One per web port, so that two battles may run; the last one's are removed."""
+    folder = ROOT / "build" / f"demo-{web_port}"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
 
 
 def die_with_parent() -> None:
@@ -228,7 +250,7 @@ def who_can_play(people: int) -> str:
     if people == 0:
         return "Bots have all robots: watch them, or start with BOTS=0 to play."
     if people == 1:
-        return "For a second person start with BOTS=0 or ROBOTS=3, and use another browser or a private window."
+        return "One person can play. For two: more ROBOTS or BOTS=0, and another browser or a private window."
     return f"{people} people can play, each in another browser or a private window."
 
 
@@ -255,30 +277,31 @@ def main() -> int:
         signal.signal(signum, on_signal)
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
     battle = None
-    with tempfile.TemporaryDirectory(prefix="laserbot-") as folder:
-        try:
-            ports = read_ports()
-            say(f"Starting the battle: {counted(options.robots, 'virtual robot')}, {counted(options.bots, 'bot')} ...")
-            battle = Battle(options.robots, options.bots, ports, Path(folder))
-            battle.wait_until_ready()
-            say(
-                f"\nReady. Open\n"
-                f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game\n"
-                f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
-                f"{who_can_play(options.robots - options.bots)}\n"
-                f"Ctrl-C stops everything. What the parts say: {battle.log}"
-            )
-            battle.wait()
-        except Interrupted:
-            say("\nStopping ...")
-        except DemoError as error:
-            print(f"make demo: {error}", file=sys.stderr)
-            return 1
-        finally:
-            for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-                signal.signal(signum, signal.SIG_IGN)
-            if battle:
-                battle.stop()
+    try:
+        bind = read_bind()
+        ports = read_ports(bind)
+        folder = empty_folder(ports["LASERBOT_WEB_PORT"])
+        say(f"Starting the battle: {counted(options.robots, 'virtual robot')}, {counted(options.bots, 'bot')} ...")
+        battle = Battle(options.robots, options.bots, bind, ports, folder)
+        battle.wait_until_ready()
+        say(
+            f"\nReady. Open\n"
+            f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game\n"
+            f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
+            f"{who_can_play(options.robots - options.bots)}\n"
+            f"Ctrl-C stops everything. What the parts say: {battle.log}"
+        )
+        battle.wait()
+    except Interrupted:
+        say("\nStopping ...")
+    except DemoError as error:
+        print(f"make demo: {error}", file=sys.stderr)
+        return 1
+    finally:
+        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(signum, signal.SIG_IGN)
+        if battle:
+            battle.stop()
     say("Stopped.")
     return 0
 

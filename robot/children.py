@@ -76,10 +76,10 @@ def register(wanted: Callable[[], bool]) -> int:
     if process.returncode != 0:
         lines = errors.strip().splitlines()
         raise RegistrationError(lines[-1] if lines else f"robot.register ended with exit code {process.returncode}")
-    robot_id = int(answer)
-    if robot_id < 0:
-        raise RegistrationError(f"the server answered with the ID {robot_id}")
-    return robot_id
+    last = answer.strip().rpartition("\n")[2]
+    if not (last.isascii() and last.isdigit()):
+        raise RegistrationError(f"the server answered with the ID {last or 'nothing'}")
+    return int(last)
 
 
 def stop(process: "subprocess.Popen[str] | subprocess.Popen[bytes]") -> None:

@@ -5,6 +5,7 @@ Bad input gets `{"error": why, "status": ...}` with 400, a foreign user's name 4
 """
 
 import hashlib
+import logging
 import math
 import re
 import secrets
@@ -19,6 +20,8 @@ from server.snapshot import Game, Snapshot
 from server.users import AVATARS, is_valid_name
 
 COOKIE = "laserbot_session"
+
+_log = logging.getLogger(__name__)
 
 _ROBOT_ID = re.compile(r"-?[0-9]{1,9}")
 _READY = {"0": False, "1": True}
@@ -40,6 +43,8 @@ def create_api(battle: Battle) -> Blueprint:
         wanted = None if wish is None else _robot_id(wish, "robot")
         token = secrets.token_urlsafe(32)
         verdict, player = battle.sign_up(name, _digest(token), int(avatar), cookie_session(), wanted)
+        if verdict is Verdict.NAME_TAKEN:
+            _log.info("the name %s is taken: %s has to choose another", name, request.remote_addr)
         if verdict is Verdict.ROBOT_UNAVAILABLE:
             return reply(status="ROBOT_UNAVAILABLE", robot=wanted)
         if player is None:
@@ -101,7 +106,12 @@ def create_api(battle: Battle) -> Blueprint:
 
 
 def reply(http_status: int = 200, **content: Any) -> Response:
-    """A JSON answer. `<`, `>`, `&` and `'` are written as JSON escapes, since browsers take the body for HTML."""
+    """A JSON answer, with a log line if it is a refusal.
+
+    `<`, `>`, `&` and `'` are written as JSON escapes, since browsers take the body for HTML.
+    """
+    if http_status >= 400:
+        _log.warning("%s from %s refused: %s", request.path, request.remote_addr, content.get("error"))
     response = make_response(str(htmlsafe_json_dumps(content, sort_keys=True)), http_status)
     response.headers["Content-Security-Policy"] = "default-src 'none'; frame-ancestors 'none'"
     return response

@@ -13,6 +13,8 @@ from server.snapshot import Player, Snapshot
 _log = logging.getLogger(__name__)
 
 _HEARTBEAT = 0.4  # s; listeners hear at least every 0.5 s, also on a busy machine
+# The thread looks at the clock at every heartbeat. When it has not for so much longer, the whole process stood still.
+_STALL = 1.0  # s
 
 Listener = Callable[[Snapshot], None]
 
@@ -28,7 +30,8 @@ class Battle:
         self._referee = referee
         self._clock = clock
         self._changed = threading.Condition()
-        self._latest = referee.snapshot(clock())
+        self._looked_at = clock()
+        self._latest = referee.snapshot(self._looked_at)
         self._undelivered: deque[Snapshot] = deque(maxlen=100)
         self._listeners: list[Listener] = []
         self._stopping = False
@@ -83,7 +86,7 @@ class Battle:
 
     def snapshot(self) -> Snapshot:
         with self._changed:
-            return self._take_snapshot(self._clock())
+            return self._take_snapshot(self._now())
 
     def known_robots(self) -> dict[str, int]:
         """The ID of every named robot that has ever registered."""
@@ -93,9 +96,18 @@ class Battle:
     @contextmanager
     def _event(self) -> Iterator[float]:
         with self._changed:
-            now = self._clock()
+            now = self._now()
             yield now
             self._take_snapshot(now)
+
+    def _now(self) -> float:
+        """The time. After a stall of this process, what the others did meanwhile is still in the sockets' queues."""
+        now = self._clock()
+        gap = now - self._looked_at
+        if self._thread.is_alive() and gap > _HEARTBEAT + _STALL:
+            self._referee.excuse(gap)
+        self._looked_at = now
+        return now
 
     def _take_snapshot(self, now: float) -> Snapshot:
         previous, self._latest = self._latest, self._referee.snapshot(now)
@@ -114,7 +126,7 @@ class Battle:
                     self._changed.wait(self._seconds_until_next(told_at + _HEARTBEAT))
                 if self._stopping:
                     return
-                now = self._clock()
+                now = self._now()
                 self._take_snapshot(now)
                 snapshots = list(self._undelivered)
                 self._undelivered.clear()

@@ -107,7 +107,8 @@ class Referee:
         """Claim the name and a robot together: the one with the ID `wanted`, or the lowest that is free.
 
         OK and the player; or NAME_TAKEN, NO_ROBOTS, ROBOT_UNAVAILABLE. A user who signs up again with the session that
-        the page has already (`old_session`) keeps everything.
+        the page has already (`old_session`) keeps everything; with another name, the old one is signed out, since the
+        page forgets its session.
         """
         self.tick(now)
         user = self._users.get_user(name)
@@ -122,6 +123,9 @@ class Referee:
         self._users.add_user(user)
         robot.user = name
         self._note(f"{name} signed up and drives robot {robot.id}")
+        old_user = self._users.get_session_user(old_session) if old_session else None
+        if old_user is not None:
+            self._remove_user(old_user, f"signed up anew as {name}", now)
         return Verdict.OK, _player(user)
 
     def sign_out(self, name: str, session: str, now: float) -> Verdict:
@@ -183,6 +187,14 @@ class Referee:
             yield robot.alive_at + self._rules.robot_timeout, partial(self._remove_robot, robot)
         for user in self._users:
             yield user.seen + self._rules.player_timeout, partial(self._remove_user, user, "left the page")
+
+    def excuse(self, gap: float) -> None:
+        """This program itself stood still for `gap` s: nobody's silence of that time counts."""
+        for robot in self._robots:
+            robot.alive_at += gap
+        for user in self._users:
+            user.seen += gap
+        self._note(f"the server stood still for {gap:.1f} s: robots and pages get that much more time")
 
     # what outsiders may know
 

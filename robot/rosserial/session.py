@@ -25,6 +25,7 @@ STOP_SENDING = encode(TX_STOP)
 NO_PARAMETER = encode(PARAMETER, bytes(12))  # no integers, no floats, no strings
 
 ASK_PERIOD = 1.0  # s between topic requests: the first ones may meet a boot loader
+NOISE_PERIOD = 10.0  # s between two complaints about broken frames
 ANSWER_TIMEOUT = 8.0  # s to the first answer; a board that resets on opening boots for 2 to 4 s
 SILENCE = 15.0  # s without a time request until topics are asked for again (devices ask every 2.5 to 5 s)
 SILENCE_AFTER_ASKING = 5.0  # s more until the link is lost
@@ -89,6 +90,7 @@ class Session:
         self._asked: float | None = None
         self._last_sign: float | None = None  # of a living device: topic info or time request
         self._published: set[int] = set()
+        self._noise_told: tuple[float, str] = (now - NOISE_PERIOD, "")
 
     @property
     def answered(self) -> bool:
@@ -97,7 +99,7 @@ class Session:
 
     def receive(self, data: bytes, now: float, wall: float) -> list[Event]:
         """What follows from bytes of the device."""
-        return self._handle(self._decoder.feed(data, now), now, wall)
+        return self._handle(self._decoder.feed(data, now), now, wall) + self._complaint(now)
 
     def tick(self, now: float, wall: float) -> list[Event]:
         """What follows from the time alone; to be called at least every 0.1 s."""
@@ -111,6 +113,15 @@ class Session:
             reason = f"no time request for {silent:.0f} s and no answer to the topic request{self._noise()}"
             return [*events, Lost(reason)]
         return events + (self._ask(now) if silent >= SILENCE else [])
+
+    def _complaint(self, now: float) -> list[Event]:
+        """A line about what was not understood, when that has grown, at most one per NOISE_PERIOD."""
+        told_at, told = self._noise_told
+        noise = self._noise()
+        if noise == told or now - told_at < NOISE_PERIOD:
+            return []
+        self._noise_told = (now, noise)
+        return [Notice(f"not understood on the serial line so far{noise}")]
 
     def _noise(self) -> str:
         bad, garbage = self._decoder.bad_frames, self._decoder.garbage

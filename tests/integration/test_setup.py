@@ -32,18 +32,27 @@ def setup(clone: Path, variables: Mapping[str, str]) -> tuple[int, str]:
     return run.returncode, run.stderr.strip().splitlines()[-1] if run.stderr.strip() else ""
 
 
+OFFLINE = {
+    "PIP_CONFIG_FILE": os.devnull,
+    "PIP_INDEX_URL": "http://127.0.0.1:9/",
+    "PIP_EXTRA_INDEX_URL": "",
+    "PIP_FIND_LINKS": "",
+    "PIP_RETRIES": "0",
+    "PIP_NO_CACHE_DIR": "1",
+}
+NO_NETWORK = "Setup stopped: the Python packages could not be installed (is the network up?)"
+
+
 def test_without_network_it_says_so_and_goes_on_next_time(clone: Path) -> None:
-    offline = {
-        "PIP_CONFIG_FILE": os.devnull,
-        "PIP_INDEX_URL": "http://127.0.0.1:9/",
-        "PIP_EXTRA_INDEX_URL": "",
-        "PIP_FIND_LINKS": "",
-        "PIP_RETRIES": "0",
-        "PIP_NO_CACHE_DIR": "1",
-    }
     for _ in range(2):  # what is half done the first time must not pass as done the second time
-        code, line = setup(clone, offline)
-        assert (code, line) == (1, "Setup stopped: the Python packages could not be installed (is the network up?)")
+        code, line = setup(clone, OFFLINE)
+        assert (code, line) == (1, NO_NETWORK)
+
+
+def test_a_virtual_environment_that_was_left_half_made_is_made_anew(clone: Path) -> None:
+    subprocess.run(["/usr/bin/python3", "-m", "venv", "--without-pip", clone / ".venv"], check=True)
+    assert setup(clone, OFFLINE) == (1, NO_NETWORK)
+    assert (clone / ".venv" / "bin" / "pip").exists()
 
 
 def test_on_another_system_than_debian_it_names_what_is_needed(clone: Path, tmp_path: Path) -> None:

@@ -3,6 +3,7 @@
 import contextlib
 import os
 import re
+import shutil
 import signal
 from pathlib import Path
 from types import TracebackType
@@ -45,9 +46,13 @@ class Battle:
         return self.ports["LASERBOT_ROSBRIDGE_PORT"]
 
     @property
+    def folder(self) -> Path:
+        return ROOT / "build" / f"demo-{self.web_port}"
+
+    @property
     def log(self) -> str:
         """What all parts have said."""
-        return (ROOT / "build" / f"demo-{self.web_port}.log").read_text(errors="replace")
+        return (self.folder / "log").read_text(errors="replace")
 
     def wait_until_ready(self, seconds: float = 60.0) -> None:
         self.program.wait_for("Ctrl-C stops everything", seconds)
@@ -78,6 +83,8 @@ class Battle:
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.program.stop(seconds=30.0)
+        if kind is None:  # else the log may tell why
+            shutil.rmtree(self.folder)
 
 
 class Paused:

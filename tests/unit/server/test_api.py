@@ -100,6 +100,23 @@ def test_a_wish_that_is_no_robot_is_refused(site, browser, wish):
     assert players(site) == []
 
 
+def test_refusals_are_logged(site, browser, caplog):
+    with caplog.at_level("INFO"):
+        browser.post("/signUpUser", data={"data": "<b>"})
+        browser.post("/signUpUser")
+        browser.post("/incAlive", data={"ID": "x"})
+        sign_up(site.browser(), "al")
+        browser.post("/signOutUser", data={"data": "al"})
+        sign_up(browser, "al")
+    assert [line for line in caplog.messages if "refused" in line or "taken" in line] == [
+        "/signUpUser from 127.0.0.1 refused: a name is 1 to 16 letters, digits or _",
+        "/signUpUser from 127.0.0.1 refused: the form field data is missing",
+        "/incAlive from 127.0.0.1 refused: ID must be a whole number",
+        "/signOutUser from 127.0.0.1 refused: only that user can sign out",
+        "the name al is taken: 127.0.0.1 has to choose another",
+    ]
+
+
 def test_a_double_click_gets_the_same_robot_again_and_keeps_the_session(site, browser):
     first = sign_up(browser, "al")
     token = browser.get_cookie("laserbot_session").value

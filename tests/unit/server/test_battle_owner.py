@@ -131,6 +131,24 @@ def test_a_failing_listener_harms_neither_the_others_nor_the_game(battle, run, c
     assert "listener is broken" in caplog.text
 
 
+def test_when_the_server_itself_stood_still_nobody_is_taken_for_gone():
+    now = [100.0]
+    battle = Battle(Referee(Rules(robot_timeout=3.0, player_timeout=15.0)), clock=lambda: now[0])
+    battle.start()
+    try:
+        battle.add_robot("/a")
+        battle.sign_up("al", "s", 0)
+        now[0] += 60.0
+        assert [player.name for player in battle.snapshot().players] == ["al"]
+        assert battle.robot_alive(0)
+        for _ in range(12):  # from here on the robot is silent while the server works
+            now[0] += 0.3
+            battle.snapshot()
+        assert battle.snapshot().robots == ()
+    finally:
+        battle.stop()
+
+
 def test_a_deadline_is_met_without_any_event():
     battle = Battle(Referee(Rules(countdown=0.1)))
     battle.add_robot("/a")

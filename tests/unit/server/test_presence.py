@@ -34,6 +34,13 @@ def test_without_a_free_robot_nobody_signs_up(new_match):
     assert match.state == before
 
 
+def test_a_page_that_signs_up_under_another_name_leaves_no_driverless_player_behind(match):
+    sign_up(match, "ada", "1")
+    assert sign_up(match, "eve", "2", old_session="1") == (Verdict.OK, 1)
+    assert match.names == ["eve"]
+    assert match.state.available_robots == 3
+
+
 def test_signing_up_again_with_the_same_session_keeps_the_robot(match):
     sign_up(match, "ada", "1")
     assert sign_up(match, "ada", "2", old_session="1") == (Verdict.OK, 0)
