@@ -43,6 +43,7 @@ NEUTRAL = Command()
 class Skill:
     """How good a player is. With the defaults somebody who does nothing loses 100 life in 60 to 90 s."""
 
+    mercy: float = 3.0  # s from the start of a battle to the first shot
     reaction: float = 0.4  # s between what happens and the bot's seeing it
     aim_error: float = math.radians(14)  # standard deviation of a shot's direction
     reload: tuple[float, float] = (1.7, 3.2)  # s between two shots
@@ -63,7 +64,7 @@ class Mind:
         self._places = course.places()
         self._views: deque[tuple[float, Mapping[int, Point]]] = deque()
         self._aim_error = 0.0
-        self._next_shot = 0.0
+        self._next_shot: float | None = None  # not before this; None until the first look
         self._trigger_until = 0.0
         self._rest_until = 0.0
         self._roam_until = 0.0
@@ -75,6 +76,8 @@ class Mind:
 
     def decide(self, now: float, me: Pose, others: Mapping[int, Point], opponents: Collection[int]) -> Command:
         """The command for this moment. `others`: where the other robots are, by ID; `opponents`: the living of them."""
+        if self._next_shot is None:
+            self._next_shot = now + self._skill.mercy
         command = self._choose(now, me, self._seen(now, others), opponents)
         if self._is_stuck(now, me, command):
             side = self._chance.choice((-1, 1))
@@ -108,7 +111,7 @@ class Mind:
         off = wrap(direction + self._aim_error - me.heading)
         if abs(off) > AIM_TOLERANCE:
             return _turn(off)
-        if now >= self._next_shot:
+        if self._next_shot is not None and now >= self._next_shot:
             self._fire(now)
             return Command(shoot=True)
         return Command(linear_x=1) if distance > CLOSE else NEUTRAL

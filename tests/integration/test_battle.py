@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import time
 from collections.abc import Iterator
 
 import pytest
@@ -155,6 +156,20 @@ def test_after_a_restart_of_the_server_the_robots_come_back_with_their_ids(
 
         until(turned, 15, f"robot {again.robot} ({before[again.robot]}) obeys its player again")
         again.drive()
+
+
+def test_a_server_that_stood_still_takes_nobody_for_gone(battle: Battle, players: tuple[Player, Player]) -> None:
+    ann, bob = players
+    start(ann, bob)
+    number = ann.look()["battle"]
+    resume = time.monotonic() + 6
+    with battle.pause(r"python3 -m server\.main"):
+        until(lambda: time.monotonic() > resume, 10)
+        last = ann.look()
+    until(lambda: ann.look() is not last, 10, "the server is back")
+    assert ann.look()["game"] == PLAYING
+    assert ann.look()["battle"] == number
+    assert {user["name"] for user in ann.look()["users"]} == {"Ann", "Bob"}
 
 
 def test_rosbridge_restarts_and_the_players_go_on(battle: Battle, players: tuple[Player, Player]) -> None:

@@ -9,8 +9,9 @@ from collections.abc import Mapping
 import pytest
 import requests
 
-from tests.support.battle import Battle, descendants
+from tests.support.battle import PORTS, Battle, descendants
 from tests.support.polling import until
+from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
 
@@ -52,6 +53,21 @@ def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) ->
     for port in battle.ports.values():
         with socket.socket() as probe:
             assert probe.connect_ex(("127.0.0.1", port)) != 0
+
+
+def test_make_demo_starts_and_ctrl_c_ends_it() -> None:
+    ports = {variable: str(free_port()) for variable in PORTS}
+    program = Program(["make", "-C", str(ROOT), "demo", "ROBOTS=4", "BOTS=2"], ports)
+    try:
+        output = program.wait_for("Ctrl-C stops everything", 90)
+        below = descendants(program.process.pid)
+    finally:
+        os.killpg(program.process.pid, signal.SIGINT)  # as a terminal does
+        program.process.wait(30)
+    assert "ready: 4 virtual robots" in output
+    assert "ready: 2 bots" in output
+    assert "2 people can play" in output
+    assert [pid for pid in below if alive(pid)] == []
 
 
 def test_a_killed_demo_takes_its_processes_with_it() -> None:

@@ -36,7 +36,7 @@ class Player:
         with requests.Session() as http:
             http.cookies.update(self.http.cookies)
             while not self._gone.wait(2.0):
-                with contextlib.suppress(requests.ConnectionError):
+                with contextlib.suppress(requests.ConnectionError, requests.Timeout):
                     http.post(f"{self.battle.web}/updateGameStatus", timeout=5)
 
     def connect_bridge(self) -> ClientConnection:

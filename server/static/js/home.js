@@ -28,6 +28,7 @@ class Game {
   #left = false;
   #asking = false; // a change of ready is under way
   #checking = false;
+  #signingOut = false;
   #laser = new effects.Laser(byId("beam"), document.querySelectorAll(".charge-fill"));
 
   constructor(me) {
@@ -89,7 +90,7 @@ class Game {
       return;
     }
     this.#status = status;
-    if (state.mayDrive(status, name)) this.#driver.start();
+    if (state.mayDrive(status, name) && !this.#signingOut) this.#driver.start();
     else this.#stopDriving();
     if (me.avatar !== this.#me.avatar && this.#link.up) this.#me.avatar = me.avatar;
     view.showPlayer(this.#me);
@@ -151,8 +152,10 @@ class Game {
       dialogs.toast("You stay: your session is safe.");
       return;
     }
+    this.#signingOut = true; // the next news of the battle must not hand the controls back
     this.#stopDriving();
     const reply = await api.signOut(this.#me.name).catch(() => null);
+    this.#signingOut = false;
     if (reply?.status === "OK") {
       this.#leave({ kind: "success", title: "Signed out", text: "See you in the arena." }, 1500);
     } else if (reply?.status === "UNREGISTERED") {

@@ -12,7 +12,7 @@ from sim.bot_course import Course
 from sim.bot_mind import NEUTRAL, Command, Mind, Skill
 from tests.unit.sim.duel import TICK, Duel, bot, idle
 
-STEADY = Skill(reaction=0.2, aim_error=0.0, reload=(1.5, 1.5), rest=(0.1, 0.1), roam_chance=0.0)
+STEADY = Skill(mercy=0.0, reaction=0.2, aim_error=0.0, reload=(1.5, 1.5), rest=(0.1, 0.1), roam_chance=0.0)
 LATER = 1.0  # s after the first look: more than any reaction time
 
 
@@ -35,6 +35,13 @@ def test_it_turns_towards_an_opponent(y: float, angular: int) -> None:
 
 def test_it_shoots_when_aligned() -> None:
     assert decide(mind(), Pose(1, 1, 0), (1.5, 1)) == Command(0, 0, True)
+
+
+def test_it_holds_its_fire_at_the_start_of_a_battle() -> None:
+    player = mind(Skill(mercy=3.0, aim_error=0.0))
+    me, opponent = Pose(1, 1, 0), {0: (1.3, 1.0)}
+    shots = [now / 10 for now in range(0, 60) if player.decide(now / 10, me, opponent, {0}).shoot]
+    assert shots[0] == 3.0
 
 
 def test_it_drives_towards_an_opponent_out_of_range() -> None:
