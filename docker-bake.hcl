@@ -1,0 +1,54 @@
+# The images and their platforms. ci/images prepares what this needs and calls it.
+variable "REGISTRY" { default = "" } # "host:port/", to push
+variable "VERSION" { default = "0" }
+variable "REVISION" { default = "" }
+variable "SOURCE" { default = "" }
+variable "SOURCE_DATE_EPOCH" { default = "0" }
+
+group "default" { targets = ["webserver", "rosberry", "sim"] }
+
+target "image" {
+  context    = "."
+  dockerfile = "images/Dockerfile"
+  contexts = {
+    base     = "docker-image://laserbot/base:trixie"
+    packages = "build/packages"
+  }
+  args = { SOURCE_DATE_EPOCH = SOURCE_DATE_EPOCH }
+  labels = {
+    "org.opencontainers.image.licenses" = "BSD-3-Clause"
+    "org.opencontainers.image.revision" = REVISION
+    "org.opencontainers.image.source"   = SOURCE
+    "org.opencontainers.image.version"  = VERSION
+  }
+  # provenance would record when and where, and so change the digest
+  attest = ["type=provenance,disabled=true"]
+}
+
+target "webserver" {
+  inherits  = ["image"]
+  target    = "webserver"
+  args      = { IMAGE = "webserver" }
+  labels    = { "org.opencontainers.image.title" = "LaserBot Battle: ROS master, rosbridge and web server" }
+  platforms = ["linux/amd64", "linux/arm64"]
+  tags      = ["${REGISTRY}webserver:${VERSION}"]
+}
+
+target "rosberry" {
+  inherits  = ["image"]
+  target    = "rosberry"
+  args      = { IMAGE = "rosberry" }
+  labels    = { "org.opencontainers.image.title" = "LaserBot Battle: a robot" }
+  platforms = ["linux/arm/v7", "linux/arm64", "linux/amd64"]
+  tags      = ["${REGISTRY}rosberry:${VERSION}"]
+}
+
+# the virtual robots of the demo; never on a real robot or master
+target "sim" {
+  inherits  = ["image"]
+  target    = "sim"
+  args      = { IMAGE = "sim" }
+  labels    = { "org.opencontainers.image.title" = "LaserBot Battle: virtual robots and their arena" }
+  platforms = ["linux/amd64", "linux/arm64", "linux/arm/v7"]
+  tags      = ["${REGISTRY}sim:${VERSION}"]
+}
