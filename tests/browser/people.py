@@ -1,0 +1,46 @@
+"""Somebody at a browser of their own."""
+
+from playwright.sync_api import Browser, BrowserContext, Page, expect
+
+from tests.support.battle import Battle
+
+ARROWS = {
+    "ArrowUp": lambda linear, angular, shoot: linear > 0,
+    "ArrowDown": lambda linear, angular, shoot: linear < 0,
+    "ArrowLeft": lambda linear, angular, shoot: angular < 0,
+    "ArrowRight": lambda linear, angular, shoot: angular > 0,
+    "Space": lambda linear, angular, shoot: shoot,
+}
+
+
+class Person:
+    """Somebody at a browser of their own."""
+
+    def __init__(self, chromium: Browser, battle: Battle, name: str) -> None:
+        self.name = name
+        self.context: BrowserContext = chromium.new_context(viewport={"width": 1280, "height": 800})
+        self.page: Page = self.context.new_page()
+        self.complaints: list[str] = []
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.goto(battle.web)
+        self.pressed: set[str] = set()
+
+    def log_in(self) -> None:
+        expect(self.page.locator("#availableR")).not_to_have_text("0")
+        self.page.locator("#username").fill(self.name)
+        self.page.locator("#username").press("Enter")
+        self.page.wait_for_url("**/home")
+        expect(self.page.locator(".username").first).to_have_text(self.name)
+
+    @property
+    def robot(self) -> int:
+        return int(self.page.locator(".robotN").first.inner_text().split()[-1])
+
+    def hold(self, command: tuple[int, int, bool]) -> None:
+        """Hold exactly the keys of this command."""
+        wanted = {key for key, held in ARROWS.items() if held(*command)}
+        for key in self.pressed - wanted:
+            self.page.keyboard.up(key)
+        for key in wanted - self.pressed:
+            self.page.keyboard.down(key)
+        self.pressed = wanted

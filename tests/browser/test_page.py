@@ -1,0 +1,161 @@
+"""What the pages offer and how they take it when something goes wrong, in a real browser on the whole chain."""
+
+from collections.abc import Callable, Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from tests.browser.people import Person
+from tests.support.battle import Battle
+from tests.support.player import Eyes, Player
+from tests.support.polling import until
+
+STILL = 40  # equal views in a row, at 25 Hz
+
+
+@pytest.fixture(scope="module")
+def battle() -> Iterator[Battle]:
+    with Battle(robots=2, LASERBOT_COUNTDOWN="1") as running:
+        yield running
+
+
+@pytest.fixture
+def person(chromium: Browser, battle: Battle) -> Iterator[Callable[[str], Person]]:
+    """Makes people; they are signed out and gone after the test."""
+    people: list[Person] = []
+
+    def make(name: str) -> Person:
+        people.append(Person(chromium, battle, name))
+        return people[-1]
+
+    yield make
+    for one in people:
+        one.context.request.post(f"{battle.web}/signOutUser", form={"data": one.name})
+        one.context.close()
+        assert one.complaints == []
+
+
+def dialog_of(page: Page) -> str:
+    """The text of the open dialog, waited for."""
+    expect(page.locator("dialog[open]")).to_be_visible()
+    return page.locator("dialog[open]").inner_text()
+
+
+def test_a_click_changes_the_avatar_and_others_see_it(person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    picture = ann.page.locator("#userImage")
+    seen = {picture.get_attribute("src")}
+    for _ in range(4):
+        ann.page.locator("#avatar").click()
+        seen.add(picture.get_attribute("src"))
+    assert len(seen) == 5
+    chosen = str(picture.get_attribute("src"))
+    ann.log_in()
+    assert ann.page.locator(".userImage").first.get_attribute("src") == chosen
+    with Player(battle, "Bob") as bob:
+        until(lambda: bob.user("Ann"), 5)
+        assert chosen.endswith(f"avatar{bob.user('Ann')['avatar']}.png")
+
+
+def test_a_bad_name_and_a_taken_name_are_explained(person: Callable[[str], Person], battle: Battle) -> None:
+    with Player(battle, "Bob"):
+        eve = person("Eve")
+        for name, title in (("no spaces", "This name does not work"), ("Bob", "Name taken")):
+            eve.page.locator("#username").fill(name)
+            eve.page.locator("#username").press("Enter")
+            assert title in dialog_of(eve.page)
+            eve.page.keyboard.press("Escape")
+        eve.log_in()
+
+
+def test_without_a_free_robot_the_login_says_so(person: Callable[[str], Person], battle: Battle) -> None:
+    with Player(battle, "Bob"), Player(battle, "Cy"):
+        ann = person("Ann")
+        expect(ann.page.locator("#availableR")).to_have_text("0")
+        ann.page.locator("#username").fill("Ann")
+        ann.page.locator("#username").press("Enter")
+        assert "No robots at this time" in dialog_of(ann.page)
+
+
+def test_help_is_on_both_pages(person: Callable[[str], Person]) -> None:
+    ann = person("Ann")
+    for log_in in (lambda: None, ann.log_in):
+        log_in()
+        ann.page.locator("#how-to").click()
+        assert "fire the laser" in dialog_of(ann.page)
+        ann.page.keyboard.press("Escape")
+
+
+def test_home_without_a_login_leads_back(person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    ann.page.goto(f"{battle.web}/home")
+    assert "You are not logged in" in dialog_of(ann.page)
+    ann.page.wait_for_url(f"{battle.web}/")
+
+
+def test_a_session_can_be_restored_or_given_up(person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    ann.page.goto(battle.web)
+    assert "Ann" in dialog_of(ann.page)
+    ann.page.locator("dialog[open] button", has_text="OK").click()
+    ann.page.wait_for_url("**/home")
+    ann.page.goto(battle.web)
+    dialog_of(ann.page)
+    ann.page.locator("dialog[open] button", has_text="Cancel").click()
+    expect(ann.page.locator("#availableR")).to_have_text("2")
+
+
+def test_signing_out_is_asked_and_can_be_cancelled(person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    for answer in ("Cancel", "Sign out"):
+        ann.page.locator(".user-button").click()
+        ann.page.locator("#sign-out").click()
+        assert "Sign out?" in dialog_of(ann.page)
+        ann.page.locator("dialog[open] button", has_text=answer).click()
+    assert "Signed out" in dialog_of(ann.page)
+    ann.page.wait_for_url(f"{battle.web}/")
+    expect(ann.page.locator("#availableR")).to_have_text("2")
+
+
+@pytest.mark.parametrize("key", ["ArrowRight", "d"])
+def test_a_window_that_loses_the_focus_stops_the_robot_though_the_key_is_held(
+    key: str, person: Callable[[str], Person], battle: Battle
+) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    with Player(battle, "Bob") as bob, Eyes(battle) as eyes:
+        ann.page.locator("#ready-btn").click()
+        assert bob.ready() == "OK"
+        expect(ann.page.locator("#game-status")).to_contain_text("PLAY!")
+        before = eyes.robots()[ann.robot]["heading"]
+        ann.page.keyboard.down(key)
+        until(lambda: abs(eyes.robots()[ann.robot]["heading"] - before) > 0.1, 5, "the robot turns")
+        ann.page.evaluate("window.dispatchEvent(new Event('blur'))")
+        headings: list[float] = []
+
+        def still() -> bool:
+            headings.append(eyes.robots()[ann.robot]["heading"])
+            return len(headings) > STILL and len(set(headings[-STILL:])) == 1
+
+        until(still, 5, "the robot stands")
+        ann.page.keyboard.up(key)
+
+
+def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    battle.kill(rf"avr_robot .*--name virtual{ann.robot} ")
+    expect(ann.page.locator("dialog[open]")).to_contain_text("Robot lost", timeout=15_000)
+    ann.page.wait_for_url(f"{battle.web}/")
+    expect(ann.page.locator("#availableR")).to_have_text("2", timeout=30_000)
+
+
+def test_a_page_outlives_a_restart_of_rosbridge(person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    expect(ann.page.locator("#link-state")).to_contain_text("Online")
+    battle.kill(r"python3 -m server\.rosbridge")
+    expect(ann.page.locator("#link-state")).not_to_contain_text("Online")
+    expect(ann.page.locator("#link-state")).to_contain_text("Online", timeout=15_000)
