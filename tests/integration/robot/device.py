@@ -2,6 +2,7 @@
 
 import os
 import pty
+import select
 import struct
 import threading
 import tty
@@ -40,6 +41,7 @@ class Device:
         self._master, self._slave = pty.openpty()
         tty.setraw(self._slave)
         path.symlink_to(os.ttyname(self._slave))
+        self._woken, self._wake = os.pipe()  # ends the thread
         self._thread = threading.Thread(target=self._run, name="device")
 
     def __enter__(self) -> Self:
@@ -60,18 +62,15 @@ class Device:
         """The device vanishes, as by pulling the cable."""
         if self._thread.is_alive():
             self.answers = False
-            slave = os.open(self.path, os.O_RDWR | os.O_NOCTTY)  # so that the thread's read ends
-            tty.setraw(slave)
-            os.write(slave, b"\0bye\0")
+            os.write(self._wake, b"\0")
             self._thread.join()
-            os.close(slave)
-            os.close(self._slave)
-            os.close(self._master)
+            for end in (self._woken, self._wake, self._slave, self._master):
+                os.close(end)
             os.unlink(self.path)
 
     def _run(self) -> None:
         decoder = Decoder()
-        while not self.received.endswith(b"\0bye\0"):
+        while self._woken not in select.select([self._master, self._woken], [], [])[0]:
             data = os.read(self._master, 4096)
             self.received += data
             for frame in decoder.feed(data, 0.0):
