@@ -42,6 +42,7 @@ class Battle:
         self._listeners.append(listener)
 
     def start(self) -> None:
+        self._looked_at = self._clock()
         self._thread.start()
 
     def stop(self) -> None:
