@@ -4,6 +4,7 @@ A process of its own for each question, because rospy cannot be given a time-out
 stderr when there is no ID.
 """
 
+import contextlib
 import os
 import sys
 
@@ -17,12 +18,15 @@ with missing_explained():
     from robot.settings import Settings
 
 SERVICE = "/add_new_robot"
+WAIT = 4.0  # s for a server that is just starting
 
 
 def main() -> int:
     settings = Settings.load(os.environ)
     try:
         os.environ.update(ros_environment(os.environ, settings.ros_master_uri))
+        with contextlib.suppress(rospy.ROSException):  # the call itself says better what is wrong
+            rospy.wait_for_service(SERVICE, WAIT)
         # the request is empty: the server knows a robot by the caller's name in the connection header
         add_new_robot = rospy.ServiceProxy(SERVICE, AddNewRobot, headers={"callerid": settings.caller_id})
         print(add_new_robot().ID)
