@@ -31,7 +31,7 @@ def main() -> None:
         raise rospy.ServiceException("no robot is left")
 
     def slow(_: Any) -> int:
-        time.sleep(3)
+        time.sleep(3)  # what this service is for: its callers wait less long
         return 1
 
     def publish(topic: str, kind: type, message: Any, latch: bool) -> None:
