@@ -98,18 +98,15 @@ class Battle:
     def __init__(self, robots: int, bots: int, bind: str, ports: dict[str, int], folder: Path) -> None:
         """`folder` is empty. DemoError for a setting that the server would refuse."""
         self.robots, self.bots, self.ports = robots, bots, ports
-        # the number painted on each virtual robot is its ID, as an operator's roster would have it
-        data = folder / "data"
-        data.mkdir()
-        roster = {f"/id_service_client_virtual{number}": number for number in range(robots)}
-        (data / "robots.json").write_text(json.dumps(roster))
         for number in range(robots):
             (folder / f"virtual{number}").mkdir()
         environment = {
             **os.environ,
             "LASERBOT_BIND": bind,
             **{variable: str(port) for variable, port in ports.items()},
-            "LASERBOT_DATA": str(data),
+            "LASERBOT_DATA": str(folder / "data"),
+            # the number painted on each virtual robot is its ID
+            "LASERBOT_ROSTER": " ".join(f"virtual{number}={number}" for number in range(robots)),
             "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ.get('PATH', os.defpath)}",
             "ROS_PACKAGE_PATH": str(ROOT),
             "ROS_IP": HOST,

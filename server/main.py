@@ -64,7 +64,7 @@ class Server:
 
     def _serve(self, listener: socket.socket) -> None:
         settings = self._settings
-        roster = Roster(settings.data)
+        roster = Roster(settings.data, settings.roster)
         battle = Battle(Referee(settings.rules, roster.load()))
         watch = MasterWatch(settings.master_uri, NODE, self.fail)
         try:

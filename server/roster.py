@@ -1,4 +1,4 @@
-"""robots.json: which named robot has which ID, kept over restarts. An operator may write it beforehand.
+"""Which named robot has which ID: fixed by the operator (LASERBOT_ROSTER), or kept over restarts in robots.json.
 
 The file is one JSON object, `{"/id_service_client_<robot's name>": ID}` with IDs 0 to 127.
 """
@@ -6,7 +6,9 @@ The file is one JSON object, `{"/id_service_client_<robot's name>": ID}` with ID
 import json
 import logging
 import os
+import re
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from server.robot import IDS
@@ -15,13 +17,22 @@ _log = logging.getLogger(__name__)
 
 
 class Roster:
-    """The file in `folder`, which is made when it is missing."""
+    """The file in `folder`, which is made when it is missing. What is `fixed` (IDs by ROS names) goes before it."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, fixed: Mapping[str, int] | None = None) -> None:
         self.path = folder / "robots.json"
+        self._fixed = dict(fixed or {})
 
     def load(self) -> dict[str, int]:
-        """The IDs by the robots' names; empty without a file. A broken file is kept beside as robots.json.broken."""
+        """The IDs by the robots' ROS names. A broken file is kept beside as robots.json.broken."""
+        taken = set(self._fixed.values())
+        return self._fixed | {
+            name: robot_id
+            for name, robot_id in self._load_file().items()
+            if name not in self._fixed and robot_id not in taken
+        }
+
+    def _load_file(self) -> dict[str, int]:
         try:
             return _parse(self.path.read_text(encoding="utf-8"))
         except FileNotFoundError:
@@ -54,6 +65,20 @@ class Roster:
             _log.error("cannot write %s (%s): robots may get other IDs after a restart", self.path, error)
             if temporary:
                 Path(temporary).unlink(missing_ok=True)
+
+
+def parse_fixed(text: str) -> dict[str, int]:
+    """The IDs by the robots' ROS names, from words `name=ID` between spaces or commas. ValueError says what is wrong."""
+    fixed: dict[str, int] = {}
+    for word in re.split(r"[\s,]+", text.strip()) if text.strip() else []:
+        name, _, number = word.rpartition("=")
+        if not name or not re.fullmatch(r"[0-9]{1,3}", number) or int(number) not in IDS:
+            raise ValueError(f"{word!r} is not name=ID with an ID from 0 to 127")
+        caller = "/id_service_client_" + re.sub(r"[^A-Za-z0-9_]", "_", name)  # as robot/settings.py makes it
+        if caller in fixed or int(number) in fixed.values():
+            raise ValueError(f"{word!r} has a name or an ID twice")
+        fixed[caller] = int(number)
+    return fixed
 
 
 def _parse(text: str) -> dict[str, int]:

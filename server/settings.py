@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Self
 
 from server.referee import Rules
+from server.roster import parse_fixed
 
 LOG_LEVELS = ("debug", "info", "warning", "error")
 
@@ -25,6 +26,7 @@ class Settings:
     view_port: int | None = None  # of an arena's view, on the host that serves the page; None: there is none to show
     master_uri: str = "http://localhost:11311"
     data: Path = Path("~/.local/share/laserbot")
+    roster: Mapping[str, int] = field(default_factory=dict)  # IDs that the operator fixed, by the robots' ROS names
     log_level: str = "info"
     rules: Rules = field(default_factory=Rules)
 
@@ -47,6 +49,7 @@ class Settings:
             view_port=int(_number(environ, "LASERBOT_VIEW_PORT", 0, 1, 65535, whole=True)) or None,
             master_uri=environ.get("ROS_MASTER_URI") or cls.master_uri,
             data=_folder(environ.get("LASERBOT_DATA") or cls.data),
+            roster=_roster(environ.get("LASERBOT_ROSTER") or ""),
             log_level=log_level,
             rules=rules,
         )
@@ -66,6 +69,13 @@ def _number(
         kind = "a whole number" if whole else "a number"
         raise SettingsError(f"{name}={text}: must be {kind} from {lowest:g} to {highest:g}")
     return value
+
+
+def _roster(text: str) -> dict[str, int]:
+    try:
+        return parse_fixed(text)
+    except ValueError as error:
+        raise SettingsError(f"LASERBOT_ROSTER={text}: {error}") from None
 
 
 def _folder(path: str | Path) -> Path:

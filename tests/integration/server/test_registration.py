@@ -54,6 +54,13 @@ def test_an_operators_roster_is_obeyed(launch, tmp_path):
     assert server.robot("a").id == 7
 
 
+def test_an_id_that_the_operator_fixed_is_reserved_for_its_robot(launch, tmp_path):
+    server = launch(LASERBOT_ROSTER="a=0")
+    server.wait_until_serving()
+    assert server.robot("b").id == 1
+    assert server.robot("a").id == 0
+
+
 def test_a_broken_roster_is_kept_aside_and_robots_start_afresh(launch, tmp_path):
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "robots.json").write_text('{"/id_service_client_a": ')

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from server.roster import Roster
+from server.roster import Roster, parse_fixed
 
 
 def test_what_is_saved_is_loaded_and_the_folder_is_made(tmp_path):
@@ -73,3 +73,24 @@ def test_the_file_is_plain_json_that_an_operator_can_edit(tmp_path):
     roster.save({"/b": 1, "/a": 0})
     assert json.loads(roster.path.read_text()) == {"/a": 0, "/b": 1}
     assert roster.path.read_text().splitlines()[1] == '  "/a": 0,'
+
+
+def test_what_the_operator_fixed_goes_before_the_file(tmp_path):
+    Roster(tmp_path).save({"/a": 0, "/b": 1, "/c": 2})
+    assert Roster(tmp_path, {"/b": 7, "/new": 2}).load() == {"/a": 0, "/b": 7, "/new": 2}
+
+
+def test_fixed_ids_are_words_of_name_and_id():
+    assert parse_fixed("") == {}
+    assert parse_fixed(" raspberrypi1=1, virtual-0=0\n") == {
+        "/id_service_client_raspberrypi1": 1,
+        "/id_service_client_virtual_0": 0,
+    }
+
+
+@pytest.mark.parametrize(
+    "text", ["a", "a=", "=1", "a=128", "a=-1", "a=1.5", "a=1 a=2", "a=1 b=1", "a-b=1 a_b=2", "a=x"]
+)
+def test_a_wrong_fixed_id_is_named(text):
+    with pytest.raises(ValueError, match=r"is not name=ID|twice"):
+        parse_fixed(text)

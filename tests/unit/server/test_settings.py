@@ -30,12 +30,14 @@ def test_every_variable_is_read():
             "LASERBOT_BATTLE_LIMIT": "60",
             "LASERBOT_PLAYER_TIMEOUT": "30",
             "LASERBOT_DATA": "/data",
+            "LASERBOT_ROSTER": "pi=3",
             "LASERBOT_LOG_LEVEL": "DEBUG",
             "ROS_MASTER_URI": "http://master:1",
         }
     )
     assert (settings.bind, settings.web_port, settings.rosbridge_port) == ("127.0.0.1", 80, 91)
     assert settings.view_port == 92
+    assert settings.roster == {"/id_service_client_pi": 3}
     rules = settings.rules
     assert (rules.hit_damage, rules.countdown, rules.battle_limit, rules.player_timeout) == (25, 0.5, 60, 30)
     assert (settings.data, settings.log_level, settings.master_uri) == (Path("/data"), "debug", "http://master:1")
@@ -68,3 +70,8 @@ def test_an_impossible_value_is_named(name, value):
 
 def test_an_empty_variable_means_the_default():
     assert Settings.from_env({"LASERBOT_WEB_PORT": ""}).web_port == 5000
+
+
+def test_a_wrong_roster_is_named():
+    with pytest.raises(SettingsError, match=r"^LASERBOT_ROSTER=pi: 'pi' is not name=ID"):
+        Settings.from_env({"LASERBOT_ROSTER": "pi"})
