@@ -68,7 +68,7 @@ class Roster:
 
 
 def parse_fixed(text: str) -> dict[str, int]:
-    """The IDs by the robots' ROS names, from `name=ID` words with spaces or commas between. ValueError: what is wrong."""
+    """The IDs by the robots' ROS names, from `name=ID` words between spaces or commas. ValueError: what is wrong."""
     fixed: dict[str, int] = {}
     for word in re.split(r"[\s,]+", text.strip()) if text.strip() else []:
         name, _, number = word.rpartition("=")
