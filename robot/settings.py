@@ -26,7 +26,7 @@ class Settings:
     def from_env(cls, env: Mapping[str, str]) -> "Settings":
         """ValueError names the variable whose value cannot be used."""
         master = env.get("LASERBOT_MASTER") or "laser_bot_master.local"
-        device = env.get("LASERBOT_SERIAL")
+        devices = (env.get("LASERBOT_SERIAL") or "").split()
         level = (env.get("LASERBOT_LOG_LEVEL") or "info").lower()
         if level not in LOG_LEVELS:
             raise ValueError(f"LASERBOT_LOG_LEVEL={level}: must be one of {', '.join(LOG_LEVELS)}")
@@ -37,7 +37,7 @@ class Settings:
             master=master,
             web_port=int(web_port),
             ros_master_uri=_master_uri(env.get("ROS_MASTER_URI") or f"http://{master}:11311"),
-            devices=(device,) if device else DEVICES,
+            devices=tuple(devices) or DEVICES,
             robot_name=env.get("LASERBOT_ROBOT_NAME") or default_robot_name(),
             retry=_number(env, "LASERBOT_RETRY", 5, (0.1, 3600)),
             log_level=level,

@@ -197,11 +197,12 @@ def main() -> int:
     )
     parser.add_argument("--name", default=f"{PREFIX}1", help="the player's name (default %(default)s)")
     parser.add_argument("--robot", metavar="ID", help="drive this robot (default: the first that is free)")
-    parser.add_argument("--master", help="host of the web server and rosbridge (default: LASERBOT_MASTER)")
+    parser.add_argument("--master", help="host of the web server (default: LASERBOT_MASTER)")
+    parser.add_argument("--rosbridge", metavar="HOST:PORT", help="rosbridge (default: on the master)")
     parser.add_argument("--arena", metavar="HOST:PORT", help="the arena's page (default: on the master)")
     arguments = parser.parse_args()
     try:
-        settings = Settings.read(os.environ, arguments.name, arguments.master, arguments.arena, arguments.robot)
+        settings = Settings.read(os.environ, **vars(arguments))
     except SettingsError as error:
         print(f"bot: {error}", file=sys.stderr)
         return 2

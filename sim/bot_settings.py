@@ -19,6 +19,7 @@ class Settings:
     robot: int | None  # the ID of the robot to drive, None for any
     master: str
     web_port: int
+    rosbridge_host: str
     rosbridge_port: int
     arena_host: str
     arena_port: int
@@ -28,28 +29,33 @@ class Settings:
     def read(
         cls,
         env: Mapping[str, str],
+        *,
         name: str = "Bot1",
         master: str | None = None,
+        rosbridge: str | None = None,
         arena: str | None = None,
         robot: str | None = None,
     ) -> "Settings":
-        """`arena` = "host:port". SettingsError if a value is impossible; an empty variable counts as not set."""
+        """`rosbridge` and `arena` are "host:port", or on the master.
+
+        SettingsError if a value is impossible; an empty variable counts as not set.
+        """
         if not _NAME.fullmatch(name):
             raise SettingsError(f"--name {name}: must be {PREFIX} and up to 13 letters, digits or _")
         if robot is not None and not _ROBOT.fullmatch(robot):
             raise SettingsError(f"--robot {robot}: must be the ID of a robot")
         master = master or env.get("LASERBOT_MASTER") or "laser_bot_master.local"
-        host, colon, port = (arena or "").rpartition(":")
-        if arena and not (colon and host):
-            raise SettingsError(f"--arena {arena}: must be HOST:PORT")
+        rosbridge_host, rosbridge_port = _place(env, "--rosbridge", rosbridge, "LASERBOT_ROSBRIDGE_PORT", 9090)
+        arena_host, arena_port = _place(env, "--arena", arena, "LASERBOT_ARENA_PORT", 8080)
         return cls(
             name=name,
             robot=None if robot is None else int(robot),
             master=master,
             web_port=read_port(env, "LASERBOT_WEB_PORT", 5000),
-            rosbridge_port=read_port(env, "LASERBOT_ROSBRIDGE_PORT", 9090),
-            arena_host=host or master,
-            arena_port=parse_port(port, "--arena port") if arena else read_port(env, "LASERBOT_ARENA_PORT", 8080),
+            rosbridge_host=rosbridge_host or master,
+            rosbridge_port=rosbridge_port,
+            arena_host=arena_host or master,
+            arena_port=arena_port,
             log_level=read_log_level(env),
         )
 
@@ -59,11 +65,21 @@ class Settings:
 
     @property
     def rosbridge_url(self) -> str:
-        return f"ws://{self.master}:{self.rosbridge_port}"
+        return f"ws://{self.rosbridge_host}:{self.rosbridge_port}"
 
     @property
     def view_url(self) -> str:
         return f"ws://{self.arena_host}:{self.arena_port}/view"
+
+
+def _place(env: Mapping[str, str], option: str, text: str | None, variable: str, default: int) -> tuple[str, int]:
+    """Host (empty: the master) and port of a service."""
+    if not text:
+        return "", read_port(env, variable, default)
+    host, _, port = text.rpartition(":")
+    if not host:
+        raise SettingsError(f"{option} {text}: must be HOST:PORT")
+    return host, parse_port(port, f"{option} port")
 
 
 def following(name: str) -> str:

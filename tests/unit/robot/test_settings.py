@@ -83,3 +83,8 @@ def test_without_hardware_any_address_will_do_and_without_one_the_host_name(tmp_
     assert ":" not in host_name
     interface(tmp_path, "eth0", "02:42:00:00:00:01", hardware=False)
     assert default_robot_name(tmp_path) == host_name + "_02:42:00:00:00:01"
+
+
+def test_several_serial_devices_are_looked_for_best_first() -> None:
+    settings = Settings.from_env({"LASERBOT_SERIAL": "/host/dev/laserbot /host/dev/ttyACM0"})
+    assert settings.devices == ("/host/dev/laserbot", "/host/dev/ttyACM0")

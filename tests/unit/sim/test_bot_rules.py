@@ -41,9 +41,11 @@ def test_everything_is_on_the_master_by_default() -> None:
     assert settings.view_url == "ws://10.0.0.5:8090/view"
 
 
-def test_the_arena_may_be_elsewhere() -> None:
-    settings = Settings.read({}, master="master", arena="other:81")
-    assert (settings.web_url, settings.view_url) == ("http://master:5000", "ws://other:81/view")
+def test_rosbridge_and_the_arena_may_be_elsewhere() -> None:
+    settings = Settings.read({}, master="master", rosbridge="bridge:80", arena="other:81")
+    assert settings.web_url == "http://master:5000"
+    assert settings.rosbridge_url == "ws://bridge:80"
+    assert settings.view_url == "ws://other:81/view"
 
 
 @pytest.mark.parametrize(
@@ -55,6 +57,7 @@ def test_the_arena_may_be_elsewhere() -> None:
         ({}, {"name": "Ann"}),
         ({}, {"name": "Bot with spaces"}),
         ({}, {"name": "Bot" + "x" * 14}),
+        ({}, {"rosbridge": "host"}),
         ({}, {"arena": "host"}),
         ({}, {"arena": "host:door"}),
         ({}, {"arena": ":80"}),
