@@ -6,7 +6,7 @@ help:
 	@echo 'make test                      every test there is'
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
-	@echo 'make images [PUSH=host:port] [ARCHIVE=file]  the container images, for all platforms'
+	@echo 'make images                    the container images; PUSH=host:port, ARCHIVE=file, PLATFORM=linux/arm/v7'
 	@echo 'make clean                     removes what was built (not the Debian packages)'
 
 ROBOTS ?= 2

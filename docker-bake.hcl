@@ -1,5 +1,4 @@
 # The images and their platforms. ci/images prepares what this needs and calls it.
-variable "REGISTRY" { default = "" } # "host:port/", to push
 variable "VERSION" { default = "0" }
 variable "REVISION" { default = "" }
 variable "SOURCE" { default = "" }
@@ -31,7 +30,7 @@ target "webserver" {
   args      = { IMAGE = "webserver" }
   labels    = { "org.opencontainers.image.title" = "LaserBot Battle: ROS master, rosbridge and web server" }
   platforms = ["linux/amd64", "linux/arm64"]
-  tags      = ["${REGISTRY}webserver:${VERSION}"]
+  tags      = ["webserver:${VERSION}"]
 }
 
 target "rosberry" {
@@ -40,7 +39,7 @@ target "rosberry" {
   args      = { IMAGE = "rosberry" }
   labels    = { "org.opencontainers.image.title" = "LaserBot Battle: a robot" }
   platforms = ["linux/arm/v7", "linux/arm64", "linux/amd64"]
-  tags      = ["${REGISTRY}rosberry:${VERSION}"]
+  tags      = ["rosberry:${VERSION}"]
 }
 
 # the virtual robots of the demo; never on a real robot or master
@@ -50,5 +49,5 @@ target "sim" {
   args      = { IMAGE = "sim" }
   labels    = { "org.opencontainers.image.title" = "LaserBot Battle: virtual robots and their arena" }
   platforms = ["linux/amd64", "linux/arm64", "linux/arm/v7"]
-  tags      = ["${REGISTRY}sim:${VERSION}"]
+  tags      = ["sim:${VERSION}"]
 }

@@ -1,5 +1,6 @@
 """The README's tables say what the code does."""
 
+import json
 import re
 
 from tests.support.programs import ROOT
@@ -15,8 +16,10 @@ def test_every_variable_that_a_program_reads_is_in_the_table_and_no_other() -> N
         for path in (ROOT / folder).rglob("*")
         if path.suffix in {".py", ".launch", ".c", ""} and path.is_file() and "bundle" not in path.parts
     ]
+    sources.append(ROOT / "compose.yaml")
     read = {name for path in sources for name in VARIABLE.findall(path.read_text())}
-    listed = set(re.findall(r"^\| `(LASERBOT_\w+)` \|", README, re.MULTILINE))
+    rows = re.findall(r"^\| (`LASERBOT_[^|]+) \|", README, re.MULTILINE)
+    listed = {name for row in rows for name in VARIABLE.findall(row)}
     assert listed == read
 
 
@@ -25,3 +28,10 @@ def test_every_folder_and_command_that_is_named_exists() -> None:
         assert (ROOT / folder).is_dir() or (ROOT / "tests" / folder).is_dir(), folder
     targets = set(re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
     assert set(re.findall(r"\bmake (\w+)", README)) <= targets
+
+
+def test_there_is_one_version() -> None:
+    version = re.search(r"<version>(.+)</version>", (ROOT / "laser_bot_battle/package.xml").read_text())[1]
+    assert set(re.findall(r"LASERBOT_VERSION:-([^}]+)}", (ROOT / "compose.yaml").read_text())) == {version}
+    assert json.loads((ROOT / "package.json").read_text())["version"] == version
+    assert json.loads((ROOT / "package-lock.json").read_text())["version"] == version

@@ -1,0 +1,81 @@
+"""The images, built once, in a real engine (ci/engine)."""
+
+import os
+import re
+import subprocess
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.support.containers import docker
+from tests.support.ports import free_port
+from tests.support.programs import ROOT, Program
+
+FIGURES = pytest.StashKey[list[str]]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.stash[FIGURES] = []
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    if config.stash[FIGURES]:
+        terminalreporter.section("images")
+        for line in config.stash[FIGURES]:
+            terminalreporter.write_line(line)
+
+
+@pytest.fixture(scope="session")
+def figures(pytestconfig: pytest.Config) -> list[str]:
+    """Lines that are printed at the end of the run."""
+    return pytestconfig.stash[FIGURES]
+
+
+def build(*targets: str, **variables: str) -> float:
+    """Run ci/images; s that it took."""
+    began = time.monotonic()
+    result = subprocess.run(
+        [ROOT / "ci/images", *targets], env={**os.environ, **variables}, capture_output=True, text=True, check=False
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
+    return time.monotonic() - began
+
+
+@pytest.fixture(scope="session")
+def version() -> str:
+    """The tag of the images, which have been built when this is asked for."""
+    if not os.environ.get("IMAGES_ENGINE"):
+        pytest.fail(
+            "these tests need a Docker Engine: ci/engine .venv/bin/python -m pytest tests/images", pytrace=False
+        )
+    build()
+    return re.search(r"<version>(.*)</version>", (ROOT / "laser_bot_battle/package.xml").read_text())[1]
+
+
+@pytest.fixture
+def network(version: str) -> Iterator[str]:
+    """A bridge network of its own, without a way out."""
+    name = f"laserbot-test-{os.getpid()}"
+    docker("network", "create", "--internal", name)
+    yield name
+    docker("network", "rm", name)
+
+
+@pytest.fixture(scope="session")
+def registry(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """An empty registry, `host:port`: Debian's, unpacked and not installed."""
+    folder: Path = tmp_path_factory.mktemp("registry")
+    subprocess.run(["apt-get", "-q", "download", "docker-registry"], cwd=folder, check=True, capture_output=True)
+    (package,) = folder.glob("*.deb")
+    subprocess.run(["dpkg-deb", "-x", package, folder / "root"], check=True)
+    place = f"127.0.0.1:{free_port()}"
+    settings = folder / "config.yml"
+    settings.write_text(
+        f"version: 0.1\nlog: {{level: warn}}\nstorage: {{filesystem: {{rootdirectory: {folder / 'data'}}}}}\n"
+        f"http: {{addr: {place}}}\n"
+    )
+    program = Program([folder / "root/usr/bin/docker-registry", "serve", settings])
+    yield place
+    program.stop()

@@ -1,0 +1,162 @@
+"""The demo of compose.yaml: a whole battle in containers, one robot on arm/v7, and each container killed in turn."""
+
+import contextlib
+import math
+from collections.abc import Callable, Iterator
+
+import pytest
+import requests
+from websockets.exceptions import WebSocketException
+
+from tests.support.compose import ComposeBattle
+from tests.support.player import Eyes, Player, hunt
+from tests.support.polling import until
+
+STOPPED, PLAYING = 0, 2
+
+
+@pytest.fixture(scope="module")
+def battle(version: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ComposeBattle]:
+    """Two robots, the second one's software for arm/v7, short rules: a hit takes 40 of 100, the countdown 1 s."""
+    with ComposeBattle(
+        tmp_path_factory.mktemp("compose"),
+        platforms={"robot1": "linux/arm/v7"},
+        LASERBOT_VERSION=version,
+        LASERBOT_HIT_DAMAGE="40",
+        LASERBOT_COUNTDOWN="1",
+    ) as running:
+        yield running
+
+
+@pytest.fixture
+def players(battle: ComposeBattle) -> Iterator[tuple[Player, Player]]:
+    """Ann on robot 0 and Bob on robot 1, in a battle that has just begun."""
+    until(lambda: available(battle) == 2, 60, "two free robots")
+    with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob:
+        assert (ann.robot, bob.robot) == (0, 1)
+        start(ann, bob)
+        yield ann, bob
+
+
+def available(battle: ComposeBattle) -> int:
+    with contextlib.suppress(requests.RequestException):
+        return int(requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"])
+    return 0
+
+
+def start(*players: Player) -> None:
+    for player in players:
+        assert player.ready() == "OK"
+    for player in players:
+        player.wait_for_game(PLAYING)
+
+
+def wait_until_it_drives(battle: ComposeBattle, player: Player, seconds: float = 20.0) -> None:
+    """Turn the player's robot until the arena shows it, whatever has to be connected again."""
+    for_arena: list[Eyes] = []
+
+    def turned(eyes: Eyes, heading: float) -> Callable[[], bool]:
+        def look() -> bool:
+            player.drive(angular=1)
+            return abs(math.remainder(eyes.robots()[player.robot]["heading"] - heading, math.tau)) > 0.2
+
+        return look
+
+    def eyes_open() -> bool:
+        with contextlib.suppress(OSError, WebSocketException):
+            for_arena.append(Eyes(battle))
+        return bool(for_arena)
+
+    until(eyes_open, seconds, "the arena is to be seen")
+    with for_arena[0] as eyes:
+        until(lambda: player.robot in eyes.robots(), seconds, f"robot {player.robot} stands in the arena")
+        until(turned(eyes, eyes.robots()[player.robot]["heading"]), seconds, f"{player.name} drives")
+    player.drive()
+
+
+def reconnect(player: Player) -> None:
+    def connected() -> bool:
+        with contextlib.suppress(OSError, WebSocketException):
+            player.bridge = player.connect_bridge()
+            return True
+        return False
+
+    until(connected, 30, f"{player.name}'s page finds rosbridge again")
+
+
+def test_a_battle_is_played_to_its_end(battle: ComposeBattle, players: tuple[Player, Player]) -> None:
+    ann, bob = players
+    page = ann.http.get(f"{battle.web}/home", timeout=5).text
+    assert f'name="rosbridge-port" content="{battle.rosbridge_port}"' in page
+    with Eyes(battle) as eyes:
+
+        def over() -> bool:
+            robots = eyes.robots()
+            bob.drive(*hunt(robots[bob.robot], robots[ann.robot]))
+            return bob.look()["game"] == STOPPED
+
+        until(over, 120, "Bob, on the emulated robot, shoots Ann to the end")
+    result = [(entry["place"], entry["name"], entry["life"]) for entry in bob.look()["result"]]
+    assert result == [(1, "Bob", 100), (2, "Ann", 0)]
+
+
+@pytest.mark.parametrize("service", ["demo-rosbridge", "arena"])
+def test_the_battle_goes_on_when_it_crashes(
+    battle: ComposeBattle, players: tuple[Player, Player], service: str
+) -> None:
+    ann, _ = players
+    number = ann.look()["battle"]
+    battle.crash(service)
+    battle.wait_until_healthy()
+    for player in players:
+        if service == "demo-rosbridge":
+            reconnect(player)
+        player.wait_for_game(PLAYING, 20)
+        wait_until_it_drives(battle, player)
+    assert ann.look()["battle"] == number
+    assert {user["name"] for user in ann.look()["users"]} == {"Ann", "Bob"}
+
+
+@pytest.mark.parametrize("service", ["arduino1", "robot1"])
+def test_who_loses_the_robot_is_out_by_the_rules_and_the_robot_comes_back(
+    battle: ComposeBattle, players: tuple[Player, Player], service: str
+) -> None:
+    ann, _ = players
+    battle.crash(service)
+    until(lambda: not ann.user("Bob"), 20, "Bob is out")
+    ann.wait_for_game(STOPPED)
+    result = [(entry["place"], entry["name"], entry["left"]) for entry in ann.look()["result"]]
+    assert result == [(1, "Ann", False), (2, "Bob", True)]
+    battle.wait_until_healthy(120)
+    until(lambda: available(battle) == 1, 60, "Bob's robot is free")
+    with Player(battle, "Cy") as cy:
+        assert cy.robot == 1
+        start(ann, cy)
+        wait_until_it_drives(battle, cy)
+
+
+@pytest.mark.parametrize("service", ["demo-web", "demo-ros-master"])
+def test_after_a_crash_of_the_referee_or_of_ros_a_new_battle_can_be_played(
+    battle: ComposeBattle, players: tuple[Player, Player], service: str
+) -> None:
+    battle.crash(service)
+    until(lambda: available(battle) == 2, 120, "both robots are registered again and free")
+    battle.wait_until_healthy(120)
+    with Player(battle, "Dan") as dan, Player(battle, "Eve") as eve:
+        assert (dan.robot, eve.robot) == (0, 1)
+        start(dan, eve)
+        for player in (dan, eve):
+            wait_until_it_drives(battle, player)
+
+
+def test_a_bot_that_crashes_plays_again(version: str, battle: ComposeBattle) -> None:
+    until(lambda: available(battle) == 2, 60, "two free robots")
+    battle.compose("up", "--detach", "--pull=never", "--scale", "bot1=1", "bot1")
+    with Player(battle, "Fay") as fay:
+        until(lambda: fay.user("Bot1"), 20, "the bot has signed in")
+        battle.crash("bot1")
+        until(lambda: not fay.user("Bot1"), 30, "the bot's page is gone")
+        until(lambda: any(user["name"].startswith("Bot") for user in fay.look()["users"]), 30, "the bot is back")
+        assert fay.ready() == "OK"
+        fay.wait_for_game(PLAYING)
+    battle.compose("rm", "--stop", "--force", "bot1")

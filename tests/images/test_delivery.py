@@ -1,0 +1,105 @@
+"""Images on their way: to a registry, and in an archive to a machine without a network."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+import requests
+
+from tests.images.conftest import build
+from tests.images.test_contents import PLATFORMS
+from tests.support.containers import docker
+from tests.support.programs import Program
+
+INDEX = "application/vnd.oci.image.index.v1+json, application/vnd.docker.distribution.manifest.list.v2+json"
+MANIFEST = "application/vnd.oci.image.manifest.v1+json, application/vnd.docker.distribution.manifest.v2+json"
+MACHINES = {"linux/amd64": "x86_64", "linux/arm64": "aarch64", "linux/arm/v7": "armv7l"}
+BUDGET = {("rosberry", "linux/arm/v7"): 45.0}  # MB, compressed
+
+
+def platform_name(platform: dict[str, str]) -> str:
+    return "/".join(
+        [platform["os"], platform["architecture"], *([platform["variant"]] if "variant" in platform else [])]
+    )
+
+
+def test_a_registry_gets_every_platform_under_one_name(version: str, registry: str, figures: list[str]) -> None:
+    build(PUSH=registry)
+    for image, platforms in PLATFORMS.items():
+        api = f"http://{registry}/v2/{image}/manifests"
+        answer = requests.get(f"{api}/{version}", headers={"Accept": INDEX}, timeout=10)
+        assert (
+            answer.headers["Docker-Content-Digest"]
+            == docker("image", "inspect", "--format", "{{.Id}}", f"{image}:{version}").strip()
+        ), "what is pushed is what was built"
+        manifests = {platform_name(entry["platform"]): entry["digest"] for entry in answer.json()["manifests"]}
+        assert sorted(manifests) == sorted(platforms)
+        for platform, digest in manifests.items():
+            manifest = requests.get(f"{api}/{digest}", headers={"Accept": MANIFEST}, timeout=10).json()
+            size = sum(layer["size"] for layer in manifest["layers"]) / 1e6
+            budget = BUDGET.get((image, platform))
+            figures.append(f"{image} {platform}: {size:.1f} MB compressed{f' (budget {budget})' if budget else ''}")
+            assert not budget or size <= budget
+    local = docker("image", "ls", "--format", "{{.Repository}}").split()
+    assert not [name for name in local if registry in name], "the engine keeps no second name"
+
+
+class OfflineEngine:
+    """A second Docker Engine without any network. `store`: whether it has containerd's store (of several platforms)."""
+
+    def __init__(self, folder: Path, store: bool) -> None:
+        settings = {
+            "features": {"containerd-snapshotter": store},
+            "exec-opts": ["native.cgroupdriver=cgroupfs"],
+            "cgroup-parent": "/laserbot-engine",
+            "iptables": False,
+            "bridge": "none",
+        }
+        (folder / "daemon.json").write_text(json.dumps(settings))
+        words = ["--config-file", "daemon.json", "--data-root", "data", "--exec-root", "exec", "--pidfile", "pid"]
+        words = [str(folder / word) if not word.startswith("--") else word for word in words]
+        self.host = f"unix://{folder}/socket"
+        self.program = Program(["unshare", "--net", "dockerd", *words, "--host", self.host])
+
+    def docker(self, *words: str) -> str:
+        result = subprocess.run(["docker", "--host", self.host, *words], capture_output=True, text=True, check=False)
+        assert result.returncode == 0, result.stderr
+        return result.stdout
+
+    def __enter__(self) -> "OfflineEngine":
+        self.program.wait_for("API listen", 30)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.program.stop(seconds=30)
+
+
+needs_own_engine = pytest.mark.skipif(
+    os.environ.get("IMAGES_ENGINE") == "running", reason="a second engine is started beside a private one only"
+)
+
+
+@needs_own_engine
+def test_an_archive_carries_every_platform(version: str, tmp_path: Path) -> None:
+    archive = tmp_path / "laserbot.tar"
+    build(ARCHIVE=str(archive))
+    with OfflineEngine(tmp_path, store=True) as engine:
+        engine.docker("load", "--input", str(archive))
+        for image, platforms in PLATFORMS.items():
+            for platform in platforms:
+                words = ["--rm", "--network=none", f"--platform={platform}", f"{image}:{version}"]
+                assert engine.docker("run", *words, "uname", "-m").strip() == MACHINES[platform]
+
+
+@needs_own_engine
+def test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind(version: str, tmp_path: Path) -> None:
+    archive = tmp_path / "robot.tar"
+    try:
+        build("rosberry", PLATFORM="linux/arm/v7", ARCHIVE=str(archive))
+    finally:
+        build("rosberry")  # for all platforms again
+    with OfflineEngine(tmp_path, store=False) as engine:
+        engine.docker("load", "--input", str(archive))
+        assert engine.docker("run", "--rm", "--network=none", f"rosberry:{version}", "uname", "-m").strip() == "armv7l"

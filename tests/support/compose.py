@@ -1,0 +1,88 @@
+"""The demo of compose.yaml, on free ports, under a project name of its own."""
+
+import json
+import os
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Self
+
+from tests.support.containers import docker, emulation
+from tests.support.polling import until
+from tests.support.ports import free_port
+from tests.support.programs import ROOT
+
+
+class ComposeBattle:
+    """`docker compose --profile demo up`, without the bots; what tests.support.battle.Battle is to `make demo`.
+
+    `platforms` names the services that are emulated, `variables` are LASERBOT_ settings.
+    """
+
+    def __init__(self, folder: Path, platforms: Mapping[str, str], bots: int = 0, **variables: str) -> None:
+        self.web_port, self.rosbridge_port, self.arena_port = free_port(), free_port(), free_port()
+        self.web = f"http://127.0.0.1:{self.web_port}"
+        self._environment = {
+            **os.environ,
+            "LASERBOT_WEB_PORT": str(self.web_port),
+            "LASERBOT_ROSBRIDGE_PORT": str(self.rosbridge_port),
+            "LASERBOT_ARENA_PORT": str(self.arena_port),
+            **variables,
+        }
+        services = {
+            name: {"platform": platform, "environment": emulation(platform)} for name, platform in platforms.items()
+        }
+        override = folder / "compose.platforms.yaml"
+        override.write_text(json.dumps({"services": services}))  # JSON is YAML
+        self._files = ["--file", str(ROOT / "compose.yaml"), "--file", str(override)]
+        self._project = f"laserbot-test-{os.getpid()}"
+        self._bots = bots
+
+    def compose(self, *words: str) -> str:
+        result = subprocess.run(
+            ["docker", "compose", "--project-name", self._project, *self._files, "--profile", "demo", *words],
+            env=self._environment, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert result.returncode == 0, f"docker compose {' '.join(words)}: {result.stdout}{result.stderr}"
+        return result.stdout
+
+    @property
+    def services(self) -> list[str]:
+        return self.compose("ps", "--services").split()
+
+    def container(self, service: str) -> str:
+        return self.compose("ps", "--quiet", service).strip()
+
+    def crash(self, service: str) -> None:
+        """Kill the main process as an operator cannot: Docker takes `docker kill` for a wish to have it stopped."""
+        container = self.container(service)
+        before = docker("inspect", "--format", "{{.State.Pid}}", container).strip()
+        image = docker("inspect", "--format", "{{.Image}}", self.container("arena")).strip()
+        docker("run", "--rm", "--pid=host", "--user=0", "--network=none", image, "sh", "-c", f"kill -KILL {before}")
+        until(
+            lambda: docker("inspect", "--format", "{{.State.Pid}}", container).strip() not in {before, "0"},
+            20,
+            f"{service} is started again",
+        )
+
+    def wait_until_healthy(self, seconds: float = 60.0) -> None:
+        def unhealthy() -> list[str]:
+            rows = [json.loads(line) for line in self.compose("ps", "--all", "--format", "json").splitlines()]
+            return [row["Service"] for row in rows if row["Health"] != "healthy"]
+
+        try:
+            until(lambda: not unhealthy(), seconds, "every container is healthy")
+        except AssertionError as error:
+            raise AssertionError(f"{error}: {unhealthy()}\n{self.compose('logs', '--tail=20')}") from None
+
+    def __enter__(self) -> Self:
+        try:
+            self.compose("up", "--detach", "--pull=never", "--scale", f"bot1={self._bots}")
+            self.wait_until_healthy(120)
+        except AssertionError:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.compose("down", "--volumes", "--timeout", "5")
