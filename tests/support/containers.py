@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+import time
 from collections.abc import Mapping, Sequence
 
 from tests.support.polling import until
@@ -52,6 +53,7 @@ class Container:
         flags = [f"--platform={platform}", f"--network={network}", *HARDENED, *options]
         flags += [f"--env={key}={value}" for key, value in {**emulation(platform), **(env or {})}.items()]
         flags += [f"--network-alias={name}"] if name else []
+        self._created = time.monotonic()
         self.id = docker("run", "--detach", *flags, image, *command).strip()
 
     def __enter__(self) -> "Container":
@@ -74,11 +76,17 @@ class Container:
         """What a command inside prints."""
         return docker("exec", self.id, *command)
 
-    def stop(self) -> None:
-        """As an operator would: by the image's stop signal."""
+    def stop(self) -> float:
+        """As an operator would: by the image's stop signal; s until the end of a program that ends well."""
+        began = time.monotonic()
         docker("stop", "--time", "10", self.id)
+        took = time.monotonic() - began
+        assert self.state["ExitCode"] in {0, 130}, f"{self.state}\n{self.logs}"
+        return took
 
-    def wait_until_healthy(self, seconds: float = 60.0) -> None:
+    def wait_until_healthy(self, seconds: float = 60.0) -> float:
+        """Wait for Docker's word; s since the container was created."""
+
         def healthy() -> bool:
             state = self.state
             assert state["Running"], f"the container has ended: {state}\n{self.logs}"
@@ -88,3 +96,4 @@ class Container:
             until(healthy, seconds)
         except AssertionError as error:
             raise AssertionError(f"{error}\n{self.state}\n{self.logs}") from None
+        return time.monotonic() - self._created
