@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 
 POLL = 0.05  # s
-ANSWER_TIMEOUT = 10.0  # s for the ID; starting rospy on a small Raspberry Pi takes 2 s of it
+ANSWER_TIMEOUT = 30.0  # s for the ID; a small Raspberry Pi that has just been switched on may start rospy for 10 s
 STOP_TIMEOUT = 1.0  # s
 
 

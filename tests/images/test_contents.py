@@ -1,7 +1,11 @@
 """What is inside the images: true lists of packages, nothing that changes from build to build."""
 
 import json
+import os
+import shutil
 import subprocess
+import time
+from pathlib import Path
 
 import pytest
 
@@ -89,3 +93,27 @@ def test_the_same_sources_give_the_same_images(version: str, figures: list[str])
     took = build(NO_CACHE="1")
     figures.append(f"cold build of all images for all platforms: {took:.0f} s (webserver and rosberry: budget 300 s)")
     assert digests() == before
+
+
+def test_one_changed_file_is_in_all_platforms_of_the_next_build(
+    version: str, figures: list[str], tmp_path: Path
+) -> None:
+    """In a copy of the sources, under another tag."""
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for name in [*listed.splitlines(), *map(str, (ROOT / "server/static/bundle").glob("*.js*"))]:
+        target = tmp_path / (ROOT / name).relative_to(ROOT)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / name, target)
+    with (tmp_path / "server/app.py").open("a") as file:
+        file.write("# changed\n")
+    date = subprocess.run(["git", "log", "-1", "--format=%ct"], cwd=ROOT, capture_output=True, text=True, check=True)
+    began = time.monotonic()
+    subprocess.run(
+        ["docker", "buildx", "bake", "--progress=plain", "--set", f"*.context={tmp_path}"],
+        env={**os.environ, "VERSION": "changed", "SOURCE_DATE_EPOCH": date.stdout.strip()},
+        cwd=ROOT, capture_output=True, check=True,
+    )  # fmt: skip
+    figures.append(f"build after one changed file: {time.monotonic() - began:.1f} s (budget 20 s)")
+    for platform in PLATFORMS["webserver"]:
+        assert "# changed" in run("webserver:changed", platform, "tail", "-n", "1", "server/app.py")
+    docker("image", "rm", *(f"{image}:changed" for image in PLATFORMS))

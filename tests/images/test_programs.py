@@ -70,7 +70,7 @@ def test_a_robot_joins_the_battle_with_its_firmware_inside(battle: Battle, platf
     robot = battle.start(
         "rosberry", platform, "robot", LASERBOT_SERIAL="socket://uart:8082", LASERBOT_ROBOT_NAME="virtual0"
     )
-    figures.append(f"rosberry {platform}: robot healthy after {robot.wait_until_healthy(120):.1f} s")
+    figures.append(f"rosberry {platform}: robot healthy after {robot.wait_until_healthy(240):.1f} s")
     assert robot.run("ls", "/opt/laserbot/firmware").split() == ["laserbot.hex"]
     assert "Usage" in robot.run("sh", "-c", "avrdude 2>&1")
     check_end(robot, platform)

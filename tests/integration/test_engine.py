@@ -1,0 +1,107 @@
+"""ci/engine: which Docker Engine it takes, what it says where there is none, and that a private one leaves nothing."""
+
+import contextlib
+import os
+import re
+import shutil
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.support.polling import until
+from tests.support.programs import ROOT, Program
+
+ENGINE = str(ROOT / "ci/engine")
+NO_ENGINE = {**os.environ, "DOCKER_HOST": "unix:///nowhere"}
+needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root gets a private engine")
+
+
+def test_without_an_engine_and_without_root_one_line_says_what_to_install() -> None:
+    result = subprocess.run(
+        ["unshare", "--user", "--map-user=12345", ENGINE, "true"],
+        env=NO_ENGINE, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert result.returncode == 69
+    (line,) = result.stderr.splitlines()
+    assert "this is not root" in line
+    assert "Install Docker" in line
+
+
+def test_no_command_means_help() -> None:
+    result = subprocess.run([ENGINE], capture_output=True, text=True, check=False)
+    assert result.returncode == 2
+    assert "ci/engine COMMAND" in result.stderr
+
+
+def start() -> Program:
+    """An engine whose command runs on."""
+    program = Program([ENGINE, "sh", "-c", "echo at $DOCKER_HOST end; exec sleep 300"], NO_ENGINE)
+    program.wait_for(" end", 120)
+    assert processes_of(folder(program.output))
+    return program
+
+
+def folder(output: str) -> Path:
+    """The private engine's, which is in the command lines of its processes."""
+    return Path(re.search(r"unix://(/tmp/laserbot-engine[^/]+)/", output)[1])
+
+
+def processes_of(engine: Path) -> list[str]:
+    found = []
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            if str(engine) in path.read_text(errors="replace"):
+                found.append(path.read_text(errors="replace"))
+    return found
+
+
+def emulators() -> list[Path]:
+    """The kernel's handlers that this checkout's engine has added."""
+    handlers = Path("/proc/sys/fs/binfmt_misc").glob("laserbot-*")
+    return [path for path in handlers if f"interpreter {ROOT}/" in path.read_text()]
+
+
+@needs_root
+def test_a_private_engine_runs_the_command_passes_its_exit_code_and_leaves_nothing() -> None:
+    script = "echo at $DOCKER_HOST && docker info -f '{{.DriverStatus}}' && docker buildx version && exit 7"
+    result = subprocess.run([ENGINE, "sh", "-c", script], env=NO_ENGINE, capture_output=True, text=True, check=False)
+    assert result.returncode == 7, result.stderr
+    assert "io.containerd.snapshotter" in result.stdout
+    assert not folder(result.stdout).exists()
+    assert not processes_of(folder(result.stdout))
+    assert not emulators()
+
+
+@needs_root
+def test_inside_an_engine_that_can_do_it_that_one_is_used() -> None:
+    inner = f"env -u IMAGES_ENGINE {ENGINE} sh -c 'echo inner $IMAGES_ENGINE'"
+    result = subprocess.run([ENGINE, "sh", "-c", inner], env=NO_ENGINE, capture_output=True, text=True, check=False)
+    assert "inner running" in result.stdout, result.stderr
+
+
+@needs_root
+@pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_an_engine_that_is_interrupted_leaves_nothing(sent: signal.Signals) -> None:
+    program = start()
+    try:
+        os.killpg(program.process.pid, sent)  # as a terminal does
+        until(lambda: not program.running, 30, "the end")
+    finally:
+        program.kill()
+    assert program.process.returncode != 0
+    assert not folder(program.output).exists()
+    assert not processes_of(folder(program.output))
+    assert not emulators()
+
+
+@needs_root
+def test_an_engine_that_is_killed_takes_every_process_with_it_and_the_next_one_cleans_up() -> None:
+    program = start()
+    engine = folder(program.output)
+    program.process.kill()
+    until(lambda: not processes_of(engine), 10, "the end of the engine's processes")
+    shutil.rmtree(engine)
+    subprocess.run([ENGINE, "true"], env=NO_ENGINE, check=True)
+    assert not emulators()
