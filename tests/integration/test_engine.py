@@ -9,8 +9,10 @@ import subprocess
 from pathlib import Path
 
 import pytest
+import requests
 
 from tests.support.polling import until
+from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
 ENGINE = str(ROOT / "ci/engine")
@@ -35,9 +37,9 @@ def test_no_command_means_help() -> None:
     assert "ci/engine COMMAND" in result.stderr
 
 
-def start() -> Program:
+def start(command: str = "exec sleep 300", **variables: str) -> Program:
     """An engine whose command runs on."""
-    program = Program([ENGINE, "sh", "-c", "echo at $DOCKER_HOST end; exec sleep 300"], NO_ENGINE)
+    program = Program([ENGINE, "sh", "-c", f"echo at $DOCKER_HOST end; {command}"], {**NO_ENGINE, **variables})
     program.wait_for(" end", 120)
     assert processes_of(folder(program.output))
     return program
@@ -97,10 +99,27 @@ def test_an_engine_that_is_interrupted_leaves_nothing(sent: signal.Signals) -> N
 
 
 @needs_root
+def test_chosen_ports_of_a_private_engine_are_reached_through_the_systems() -> None:
+    port = free_port()
+    program = start(f"exec python3 -m http.server --bind 127.0.0.1 {port}", ENGINE_PORTS=str(port))
+
+    def answers() -> bool:
+        with contextlib.suppress(requests.ConnectionError):
+            return requests.get(f"http://127.0.0.1:{port}", timeout=5).ok
+        return False
+
+    try:
+        until(answers, 20)
+    finally:
+        program.stop(signal.SIGTERM)
+
+
+@needs_root
 def test_an_engine_that_is_killed_takes_every_process_with_it_and_the_next_one_cleans_up() -> None:
     program = start()
     engine = folder(program.output)
     program.process.kill()
+    program.process.wait()
     until(lambda: not processes_of(engine), 10, "the end of the engine's processes")
     shutil.rmtree(engine)
     subprocess.run([ENGINE, "true"], env=NO_ENGINE, check=True)
