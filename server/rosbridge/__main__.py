@@ -35,7 +35,7 @@ def main() -> int:
         prog="python3 -m server.rosbridge",
         description="WebSocket server between browsers and ROS (rosbridge v2 protocol).",
         epilog="Settings are environment variables: LASERBOT_BIND, LASERBOT_ROSBRIDGE_PORT, LASERBOT_OPERATOR_TOKEN, "
-        "LASERBOT_LOG_LEVEL, ROS_MASTER_URI.",
+        "LASERBOT_OPERATOR_TOKEN_FILE, LASERBOT_LOG_LEVEL, ROS_MASTER_URI.",
     ).parse_args()
     try:
         settings = Settings.from_env(os.environ)

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Self
 
 LOG_LEVELS = ("debug", "info", "warning", "error")
@@ -33,7 +34,20 @@ class Settings:
         return cls(
             bind=environ.get("LASERBOT_BIND") or cls.bind,
             port=int(port),
-            operator_token=environ.get("LASERBOT_OPERATOR_TOKEN") or cls.operator_token,
+            operator_token=_operator_token(environ),
             master_uri=environ.get("ROS_MASTER_URI") or cls.master_uri,
             log_level=log_level,
         )
+
+
+def _operator_token(environ: Mapping[str, str]) -> str:
+    """The token itself or the contents of a file, which an environment does not show; empty: none."""
+    token, path = environ.get("LASERBOT_OPERATOR_TOKEN") or "", environ.get("LASERBOT_OPERATOR_TOKEN_FILE")
+    if not path:
+        return token
+    if token:
+        raise SettingsError("LASERBOT_OPERATOR_TOKEN and LASERBOT_OPERATOR_TOKEN_FILE are both set: choose one")
+    try:
+        return Path(path).read_text().strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingsError(f"LASERBOT_OPERATOR_TOKEN_FILE={path}: cannot be read: {error}") from None
