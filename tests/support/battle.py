@@ -46,6 +46,14 @@ class Battle:
         return self.ports["LASERBOT_ROSBRIDGE_PORT"]
 
     @property
+    def bridge(self) -> str:
+        return f"ws://127.0.0.1:{self.rosbridge_port}"
+
+    @property
+    def view(self) -> str:
+        return f"ws://127.0.0.1:{self.arena_port}/view"
+
+    @property
     def folder(self) -> Path:
         return ROOT / "build" / f"demo-{self.web_port}"
 

@@ -5,22 +5,34 @@ import json
 import math
 import threading
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import requests
 from websockets.sync.client import ClientConnection, connect
 
-from tests.support.battle import Battle
 from tests.support.polling import until
 
 RANGE = 0.5  # m, near enough to shoot
 ALIGNED = math.radians(3)
 
 
+class Place(Protocol):
+    """Where a battle is played, as URLs."""
+
+    @property
+    def web(self) -> str: ...
+
+    @property
+    def bridge(self) -> str: ...
+
+    @property
+    def view(self) -> str: ...
+
+
 class Player:
     """Signs up at once; use as a context manager to sign out and close the sockets."""
 
-    def __init__(self, battle: Battle, name: str) -> None:
+    def __init__(self, battle: Place, name: str) -> None:
         self.battle, self.name = battle, name
         self.http = requests.Session()
         reply = self.post("signUpUser", data=name)
@@ -43,9 +55,7 @@ class Player:
         """A WebSocket to rosbridge with this player's cookie, the state of the battle subscribed."""
         cookies = "; ".join(f"{cookie.name}={cookie.value}" for cookie in self.http.cookies)
         # no bound on what waits to be read: a close must get through even if a test did not look for a while
-        bridge = connect(
-            f"ws://127.0.0.1:{self.battle.rosbridge_port}", additional_headers={"Cookie": cookies}, max_queue=None
-        )
+        bridge = connect(self.battle.bridge, additional_headers={"Cookie": cookies}, max_queue=None)
         bridge.send(json.dumps({"op": "subscribe", "topic": "/game_status", "type": "laser_bot_battle/GameStatus"}))
         topic = f"/Robot{self.robot}/command"
         bridge.send(json.dumps({"op": "advertise", "topic": topic, "type": "laser_bot_battle/Robot_msg"}))
@@ -98,8 +108,8 @@ class Player:
 class Eyes:
     """The arena's public view."""
 
-    def __init__(self, battle: Battle) -> None:
-        self.view = connect(f"ws://127.0.0.1:{battle.arena_port}/view", max_queue=None)
+    def __init__(self, battle: Place) -> None:
+        self.view = connect(battle.view, max_queue=None)
         self.floor: dict[str, Any] = json.loads(self.view.recv(timeout=5))
         self._robots: dict[int, dict[str, Any]] = {}
 

@@ -21,7 +21,7 @@ def test_an_empty_token_file_means_no_operator(tmp_path: Path) -> None:
 
 
 def test_a_token_file_that_cannot_be_read_is_refused_by_name(tmp_path: Path) -> None:
-    with pytest.raises(SettingsError, match="LASERBOT_OPERATOR_TOKEN_FILE=.*missing"):
+    with pytest.raises(SettingsError, match=r"LASERBOT_OPERATOR_TOKEN_FILE=.*missing"):
         Settings.from_env({"LASERBOT_OPERATOR_TOKEN_FILE": str(tmp_path / "missing")})
 
 

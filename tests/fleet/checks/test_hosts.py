@@ -1,0 +1,98 @@
+"""Names, time, devices, users, secrets, firewall."""
+
+import re
+
+import pytest
+
+from tests.support.fleet import Fleet, Machine
+from tests.support.polling import until
+
+NAMES = ("laser_bot_master.local", "laser-bot-master.local")
+
+
+def test_names_are_known_on_every_host(fleet: Fleet, machine: Machine) -> None:
+    wanted = dict.fromkeys(NAMES, fleet.master.address) | {f"{r.name}.local": r.address for r in fleet.robots}
+    for name, address in wanted.items():
+        # a host may give its own name another of its addresses
+        if name.removesuffix(".local") not in (machine.name, machine.name.replace("_", "-")):
+            assert machine.run(f"getent ahostsv4 {name}").split()[0] == address, name
+
+
+def test_names_are_known_inside_containers(fleet: Fleet, robot: Machine) -> None:
+    for name in NAMES:
+        ask = f"import socket;print(socket.gethostbyname('{name}'))"
+        assert robot.run(f'docker exec laserbot-robot python3 -c "{ask}"').strip() == fleet.master.address
+
+
+def test_the_game_is_announced(fleet: Fleet, machine: Machine) -> None:
+    def found() -> bool:
+        lines = machine.run("avahi-browse --resolve --parsable --terminate _laserbot._tcp").splitlines()
+        resolved = [line.split(";") for line in lines if line.startswith("=")]
+        return any(line[7:9] == [fleet.master.address, "5000"] for line in resolved)
+
+    until(found, 15, "_laserbot._tcp of the master")
+
+
+def test_the_clocks_agree(fleet: Fleet, machine: Machine) -> None:
+    def synchronised() -> bool:
+        tracking = machine.run("chronyc -n tracking")
+        source = machine.group == "master" or fleet.master.address in tracking
+        return source and "Leap status     : Normal" in tracking
+
+    until(synchronised, 60, "chrony has found its source")
+    offset = re.search(r"System time\s+: ([0-9.]+) seconds", machine.run("chronyc -n tracking"))
+    assert offset
+    assert float(offset[1]) < 0.5
+
+
+def test_the_arduino_has_its_name(robot: Machine) -> None:
+    robot.run("udevadm verify /etc/udev/rules.d/60-laserbot.rules")
+    assert robot.host.file("/dev/laserbot").is_symlink
+    device = robot.run("stat -L -c '%F %G %a' /dev/laserbot").strip()
+    assert device == "character special file dialout 660"
+
+
+def test_ssh_wants_a_key(machine: Machine) -> None:
+    settings = machine.run("sshd -T")
+    assert "passwordauthentication no" in settings
+    assert "kbdinteractiveauthentication no" in settings
+    assert "permitrootlogin no" in settings
+    passwords = [line.split(":")[1] for line in machine.run("cat /etc/shadow").splitlines()]
+    assert all(password.startswith(("!", "*")) for password in passwords), "an account has a password"
+
+
+def test_the_firewall_is_in_effect(machine: Machine) -> None:
+    rules = machine.run("nft list table inet laserbot")
+    assert "policy drop" in rules
+    assert ("dport { 5000, 9090 }" in rules) == (machine.group == "master")
+    # the engine's own are still there
+    assert "DOCKER" in machine.run("nft list ruleset")
+
+
+@pytest.mark.parametrize(
+    "path", ["/etc/laserbot/ca/ca.key", "/root/.docker/config.json", "/etc/docker/registry/tls/registry.key",
+             "/etc/docker/registry/htpasswd", "/etc/laserbot/operator-token"],
+)  # fmt: skip
+def test_secret_files_are_nobody_elses(machine: Machine, path: str) -> None:
+    file = machine.host.file(path)
+    if machine.group == "master" or path.startswith("/root"):
+        assert file.exists
+        assert file.mode & 0o007 == 0, oct(file.mode)
+        assert machine.host.run(f"sudo -u nobody cat {path}").rc != 0
+    else:
+        assert not file.exists
+
+
+def test_no_secret_is_shown(fleet: Fleet, machine: Machine) -> None:
+    """Neither in the process list nor in the containers' settings nor in the journal."""
+    token = fleet.master.run("cat /etc/laserbot/operator-token").strip()
+    # sudo writes commands into the journal: none may hold a secret
+    read = (
+        "import base64,json;[entry]=json.load(open('/root/.docker/config.json'))['auths'].values();"
+        "print(base64.b64decode(entry['auth']).decode())"
+    )
+    password = machine.run(f'python3 -c "{read}"').strip().partition(":")[2]
+    assert password
+    for secret in filter(None, (token, password)):
+        for shown in ("ps axeww -o args", "docker inspect $(docker ps -q)", "journalctl --no-pager"):
+            assert secret not in machine.run(shown), shown
