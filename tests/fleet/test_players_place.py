@@ -1,0 +1,55 @@
+"""What a player's laptop, in the same LAN as the fleet, can reach: the game, and nothing else."""
+
+import json
+
+from tests.support.fleet import Machine
+from tests.support.rehearsal import Rehearsal, ask_from
+
+OPEN = {"master": {5000, 9090}, "robots": set()}
+# what listens on the hosts or might: SSH, time, ROS master, engine, registry, arbitrary ports of ROS nodes
+PORTS = [22, 80, 111, 123, 443, 2375, 2376, 5000, 5353, 5443, 9090, 11311, 32768, 40000, 50000, 60999]
+
+SCAN = """
+import json, socket
+from concurrent.futures import ThreadPoolExecutor
+def reached(target):
+    with socket.socket() as s:
+        s.settimeout(2)
+        return s.connect_ex(tuple(target)) == 0
+targets = json.loads({targets!r})
+with ThreadPoolExecutor(200) as pool:
+    print(json.dumps([t for t, yes in zip(targets, pool.map(reached, targets)) if yes]))
+"""
+
+
+def listening(machine: Machine) -> list[int]:
+    lines = machine.run("ss -Htln").splitlines()
+    return sorted({int(line.split()[3].rpartition(":")[2]) for line in lines if "127.0.0." not in line.split()[3]})
+
+
+def test_a_player_reaches_the_game_and_nothing_else(rehearsal: Rehearsal) -> None:
+    targets = []
+    for machine in rehearsal.machines.values():
+        ports = listening(machine)
+        assert 22 in ports
+        targets += [(machine.address, port) for port in sorted({*PORTS, *ports})]
+    assert any(port > 32768 for _, port in targets), "ROS nodes listen"
+    found = json.loads(ask_from("laserbot-fleet", SCAN.format(targets=json.dumps(targets))))
+    wanted = [
+        [machine.address, port] for machine in rehearsal.machines.values() for port in sorted(OPEN[machine.group])
+    ]
+    assert sorted(found) == sorted(wanted)
+
+
+def test_the_robots_reach_the_ros_master_and_the_registry(rehearsal: Rehearsal) -> None:
+    """The counterpart of the test above: those ports are closed to players, not to all."""
+    for robot in rehearsal.robots:
+        for port in (5000, 5443, 11311):
+            connect = f"import socket;socket.create_connection(('laser_bot_master.local',{port}),5)"
+            robot.run(f'python3 -c "{connect}"')
+
+
+def test_a_robot_cannot_log_in_to_the_master(rehearsal: Rehearsal) -> None:
+    connect = f"import socket;socket.create_connection(('{rehearsal.master.address}',22),3)"
+    answer = rehearsal.robots[0].host.run(f'python3 -c "{connect}"')
+    assert "TimeoutError" in answer.stderr

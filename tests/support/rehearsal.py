@@ -1,0 +1,122 @@
+"""The rehearsed fleet (ci/fleet-hosts): what a person with hands does to its hosts, and their arena."""
+
+import contextlib
+import json
+import os
+import subprocess
+import time
+from collections.abc import Iterator
+
+import requests
+
+from tests.support.fleet import Fleet, Machine
+from tests.support.polling import until
+from tests.support.programs import ROOT
+
+FOLDER = ROOT / "build" / "fleet"
+
+
+def docker(*arguments: str, check: bool = True) -> str:
+    """What `docker` of the machine that rehearses prints; AssertionError with its complaint if it fails."""
+    result = subprocess.run(["docker", *arguments], capture_output=True, text=True, check=False)
+    assert not check or result.returncode == 0, f"docker {' '.join(arguments)}: {result.stdout}{result.stderr}"
+    return result.stdout
+
+
+class Rehearsal(Fleet):
+    """The fleet together with the machine that it is rehearsed on."""
+
+    view = "ws://10.217.0.2:8080/view"
+
+    def __init__(self) -> None:
+        super().__init__(FOLDER / "hosts.json")
+
+    def playbook(self, name: str, *arguments: str, check: bool = True) -> "Run":
+        """Runs a playbook as the operator does."""
+        return Run([
+            str(ROOT / ".venv" / "bin" / "ansible-playbook"),
+            str(ROOT / "ansible" / f"{name}.yml"),
+            f"--inventory={FOLDER / 'inventory'}",
+            f"--vault-password-file={FOLDER / 'vault-password'}",
+            *arguments,
+        ]).wait(check)  # fmt: skip
+
+    def available(self) -> int:
+        """Robots that are free now; -1 while the server does not answer."""
+        with contextlib.suppress(requests.RequestException, ValueError):
+            return int(requests.post(f"{self.web}/getAvailableRobots", timeout=2).json()["availableR"])
+        return -1
+
+    def wait_until_complete(self, seconds: float = 120.0) -> None:
+        """Until every robot is registered and free."""
+        until(lambda: self.available() == len(self.robots), seconds, "all robots free at the server")
+
+
+class Run:
+    """A playbook under way."""
+
+    def __init__(self, command: list[str]) -> None:
+        environment = {**os.environ, "ANSIBLE_CONFIG": str(ROOT / "ansible" / "ansible.cfg"), "ANSIBLE_NOCOLOR": "1"}
+        environment["ANSIBLE_CALLBACK_RESULT_FORMAT"] = "json"
+        self.started = time.monotonic()
+        self.process = subprocess.Popen(
+            command,
+            env=environment,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            start_new_session=True,
+        )
+        self.output = ""
+
+    def wait(self, check: bool = True) -> "Run":
+        self.output += self.process.communicate()[0]
+        self.seconds = time.monotonic() - self.started
+        assert not check or self.process.returncode == 0, self.output
+        return self
+
+    @property
+    def recap(self) -> dict[str, dict[str, int]]:
+        """ok, changed, failed, unreachable ... of each host."""
+        lines = self.output.partition("PLAY RECAP")[2].partition("\n\n")[0].splitlines()[1:]
+        rows = (line.split(" : ") for line in lines if " : " in line)
+        return {host.strip(): {key: int(n) for key, n in (w.split("=") for w in row.split())} for host, row in rows}
+
+    @property
+    def changed(self) -> int:
+        return sum(row["changed"] for row in self.recap.values())
+
+
+def outside(machine: Machine) -> str:
+    """The name of the container that plays the host."""
+    return f"laserbot-fleet-{'master' if machine.group == 'master' else machine.name}"
+
+
+def power_off(machine: Machine) -> None:
+    """As if the plug were pulled."""
+    docker("kill", outside(machine))
+
+
+def power_on(machine: Machine) -> None:
+    docker("start", outside(machine))
+
+
+@contextlib.contextmanager
+def cut(machine: Machine, share: int = 100) -> Iterator[None]:
+    """The host's network loses `share` percent of what arrives and leaves, SSH from this machine included."""
+    rules = "; ".join(
+        f"add chain inet cut {hook} {{ type filter hook {hook} priority -300; }}; "
+        f"add rule inet cut {hook} {side} != lo numgen random mod 100 < {share} drop"
+        for hook, side in (("input", "iifname"), ("output", "oifname"))
+    )
+    docker("exec", outside(machine), "nft", f"add table inet cut; {rules}")
+    try:
+        yield
+    finally:
+        docker("exec", outside(machine), "nft", "delete table inet cut")
+
+
+def ask_from(network: str, program: str) -> str:
+    """What a Python program prints that runs in a place of its own on a network: a player's laptop."""
+    image = json.loads(docker("inspect", "laserbot-fleet-arena"))[0]["Config"]["Image"]
+    return docker("run", "--rm", f"--network={network}", "--entrypoint=python3", image, "-c", program)
