@@ -2,16 +2,16 @@
 
 import contextlib
 import json
-import os
 import subprocess
 import time
 from collections.abc import Iterator
+from typing import Self
 
 import requests
 
 from tests.support.fleet import Fleet, Machine
 from tests.support.polling import until
-from tests.support.programs import ROOT
+from tests.support.programs import ROOT, Program
 
 FOLDER = ROOT / "build" / "fleet"
 
@@ -31,15 +31,9 @@ class Rehearsal(Fleet):
     def __init__(self) -> None:
         super().__init__(FOLDER / "hosts.json")
 
-    def playbook(self, name: str, *arguments: str, check: bool = True) -> "Run":
+    def playbook(self, name: str, *arguments: str, check: bool = True) -> "Playbook":
         """Runs a playbook as the operator does."""
-        return Run([
-            str(ROOT / ".venv" / "bin" / "ansible-playbook"),
-            str(ROOT / "ansible" / f"{name}.yml"),
-            f"--inventory={FOLDER / 'inventory'}",
-            f"--vault-password-file={FOLDER / 'vault-password'}",
-            *arguments,
-        ]).wait(check)  # fmt: skip
+        return Playbook(name, *arguments).finish(check)
 
     def available(self) -> int:
         """Robots that are free now; -1 while the server does not answer."""
@@ -52,27 +46,27 @@ class Rehearsal(Fleet):
         until(lambda: self.available() == len(self.robots), seconds, "all robots free at the server")
 
 
-class Run:
+class Playbook(Program):
     """A playbook under way."""
 
-    def __init__(self, command: list[str]) -> None:
-        environment = {**os.environ, "ANSIBLE_CONFIG": str(ROOT / "ansible" / "ansible.cfg"), "ANSIBLE_NOCOLOR": "1"}
-        environment["ANSIBLE_CALLBACK_RESULT_FORMAT"] = "json"
+    def __init__(self, name: str, *arguments: str) -> None:
         self.started = time.monotonic()
-        self.process = subprocess.Popen(
-            command,
-            env=environment,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            start_new_session=True,
+        super().__init__(
+            [
+                str(ROOT / ".venv" / "bin" / "ansible-playbook"),
+                str(ROOT / "ansible" / f"{name}.yml"),
+                f"--inventory={FOLDER / 'inventory'}",
+                f"--vault-password-file={FOLDER / 'vault-password'}",
+                *arguments,
+            ],
+            {"ANSIBLE_CONFIG": str(ROOT / "ansible" / "ansible.cfg"), "ANSIBLE_NOCOLOR": "1"},
         )
-        self.output = ""
 
-    def wait(self, check: bool = True) -> "Run":
-        self.output += self.process.communicate()[0]
+    def finish(self, check: bool = True) -> Self:
+        """Wait for its end; with `check` it must succeed."""
+        code = self.process.wait(1800)
         self.seconds = time.monotonic() - self.started
-        assert not check or self.process.returncode == 0, self.output
+        assert code == 0 or not check, self.output
         return self
 
     @property

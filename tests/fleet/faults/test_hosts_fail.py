@@ -1,0 +1,61 @@
+"""Hosts that reboot or lose their power."""
+
+from collections.abc import Callable
+
+from tests.fleet.faults.battle import STOPPED, start
+from tests.support.fleet import Machine
+from tests.support.player import Player
+from tests.support.polling import until
+from tests.support.rehearsal import Rehearsal, power_off, power_on
+
+Measured = Callable[[str], None]
+
+
+def robot_of(rehearsal: Rehearsal, player: Player) -> Machine:
+    return rehearsal.machines[f"raspberrypi{player.robot}"]
+
+
+def test_the_master_loses_its_power(rehearsal: Rehearsal, measured: Measured) -> None:
+    power_off(rehearsal.master)
+    power_on(rehearsal.master)
+    measured("")
+    until(lambda: rehearsal.available() >= 0, 120, "the server answers")
+    measured("the server answers")
+    rehearsal.wait_until_complete(120)
+    measured("all robots have registered again")
+    with Player(rehearsal, "Ann") as ann:
+        assert ann.robot == 1, "the robots have their IDs"
+
+
+def test_a_robot_loses_its_power_in_a_battle(
+    rehearsal: Rehearsal, players: tuple[Player, Player], measured: Measured
+) -> None:
+    ann, bob = players
+    start(ann, bob)
+    measured("")
+    power_off(robot_of(rehearsal, bob))
+    until(lambda: not ann.user("Bob"), 10, "Bob is out")
+    measured("its player is out")
+    ann.wait_for_game(STOPPED)
+    result = [(entry["place"], entry["name"], entry["left"]) for entry in ann.look()["result"]]
+    assert result == [(1, "Ann", False), (2, "Bob", True)]
+    power_on(robot_of(rehearsal, bob))
+    measured("")
+    until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 120, "the robot is back")
+    measured("the robot is back")
+    with Player(rehearsal, "Cy") as cy, Player(rehearsal, "Di") as di:
+        assert bob.robot in (cy.robot, di.robot), "with its ID"
+
+
+def test_the_registry_is_down_when_a_robot_boots(rehearsal: Rehearsal, measured: Measured) -> None:
+    robot = rehearsal.robots[0]
+    rehearsal.master.run("systemctl stop docker-registry")
+    try:
+        power_off(robot)
+        until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 10, "the robot is gone")
+        power_on(robot)
+        measured("")
+        rehearsal.wait_until_complete(120)
+        measured("the robot is back")
+    finally:
+        rehearsal.master.run("systemctl start docker-registry")

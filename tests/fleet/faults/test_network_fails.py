@@ -1,0 +1,99 @@
+"""Networks that are cut or bad, names that are taken."""
+
+import time
+from collections.abc import Callable
+
+import pytest
+
+from tests.fleet.faults.battle import PLAYING, obeys, stands_still, start
+from tests.support.player import Eyes, Player
+from tests.support.polling import until
+from tests.support.rehearsal import Rehearsal, cut
+
+Measured = Callable[[str], None]
+
+
+def pause(seconds: float) -> None:
+    """The length of the fault itself."""
+    end = time.monotonic() + seconds
+    until(lambda: time.monotonic() > end, seconds + 1)
+
+
+def test_a_robots_network_is_cut_for_a_second(
+    rehearsal: Rehearsal, players: tuple[Player, Player], measured: Measured
+) -> None:
+    ann, bob = players
+    with Eyes(rehearsal) as eyes:
+        start(ann, bob)
+        obeys(ann, eyes)
+        with cut(rehearsal.machines[f"raspberrypi{ann.robot}"]):
+            pause(1)
+        measured("")
+        obeys(ann, eyes)
+        measured("the robot obeys again")
+        assert ann.user("Ann"), "its player is still there"
+        assert ann.look()["game"] == PLAYING
+
+
+@pytest.mark.parametrize("seconds", [5, 30])
+def test_a_robots_network_is_cut_for_longer(
+    rehearsal: Rehearsal, players: tuple[Player, Player], measured: Measured, seconds: int
+) -> None:
+    ann, bob = players
+    with Eyes(rehearsal) as eyes:
+        start(ann, bob)
+        obeys(ann, eyes)
+        ann.drive(angular=1)
+        with cut(rehearsal.machines[f"raspberrypi{ann.robot}"]):
+            measured("")
+            stands_still(ann, eyes)
+            measured("the wheels stand still")
+            pause(seconds)
+            assert not bob.user("Ann"), "a robot that is silent for 4 s is removed with its player"
+        measured("")
+        until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 60, "the robot is back")
+        measured("the robot is back")
+
+
+def test_a_third_of_a_robots_packets_are_lost(
+    rehearsal: Rehearsal, players: tuple[Player, Player], measured: Measured
+) -> None:
+    ann, bob = players
+    with Eyes(rehearsal) as eyes:
+        start(ann, bob)
+        with cut(rehearsal.machines[f"raspberrypi{ann.robot}"], share=30):
+            measured("")
+            obeys(ann, eyes, 60)
+            measured("the robot obeys during the loss")
+        measured("")
+        rehearsal.machines[f"raspberrypi{bob.robot}"].run("true")
+    # whether its player stayed or not, the fleet is whole afterwards (whole_before of the next test)
+
+
+def test_avahi_restarts(rehearsal: Rehearsal, measured: Measured) -> None:
+    for machine in rehearsal.machines.values():
+        machine.run("systemctl restart avahi-daemon")
+    measured("")
+    for robot in rehearsal.robots:
+        for name in ("laser_bot_master.local", "laser-bot-master.local"):
+            ask = f"import socket;socket.gethostbyname('{name}')"
+            until(lambda r=robot, a=ask: r.host.run(f'docker exec laserbot-robot python3 -c "{a}"').rc == 0, 30, name)
+    measured("all names are known inside all robots' containers")
+    rehearsal.wait_until_complete(30)
+
+
+def test_a_second_master_appears(rehearsal: Rehearsal, measured: Measured) -> None:
+    """Another host claims the master's name: it does not get it."""
+    impostor = rehearsal.robots[-1]
+    impostor.run("avahi-set-host-name laser_bot_master")
+    try:
+        measured("")
+        for machine in (rehearsal.master, rehearsal.robots[0]):
+            address = machine.run("getent ahostsv4 laser_bot_master.local").split()[0]
+            assert address == rehearsal.master.address
+        assert "laser_bot_master-2" in impostor.run("avahi-resolve --address " + impostor.address)
+        rehearsal.wait_until_complete(30)
+    finally:
+        impostor.run("systemctl restart avahi-daemon")
+    until(lambda: impostor.name in rehearsal.master.run(f"avahi-resolve --address {impostor.address}"), 30)
+    measured("the names are as before")
