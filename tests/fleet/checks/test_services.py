@@ -34,9 +34,8 @@ def test_containers_are_kept_in(machine: Machine) -> None:
 
 def test_no_program_of_the_game_is_root(machine: Machine) -> None:
     for service in machine.services:
-        users = machine.run(f"docker top {service} -o uid").split()[1:]
-        assert users
-        assert set(users) == {"10001"}
+        processes = machine.run(f"docker top {service} -o pid,uid").splitlines()[1:]
+        assert {line.split()[1] for line in processes} == {"10001"}
 
 
 def test_the_engine_keeps_containers_through_its_own_restart(machine: Machine) -> None:
