@@ -7,6 +7,8 @@ help:
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
 	@echo 'make images                    the container images; PUSH=host:port, ARCHIVE=file, PLATFORM=linux/arm/v7'
+	@echo 'make fleet [HOSTS=3]           a master and robots as real hosts, deployed over SSH; make fleet-down removes them'
+	@echo 'make fleet-faults              reboots, cuts and kills in that fleet, with the times until it is whole again'
 	@echo 'make clean                     removes what was built (not the Debian packages)'
 
 ROBOTS ?= 2
@@ -43,3 +45,19 @@ images:
 
 images-lock:
 	@exec ci/images-lock
+
+# ---- the fleet, rehearsed ----
+.PHONY: fleet fleet-down fleet-faults
+HOSTS ?= 3
+
+fleet:
+	@ci/setup fleet
+	@exec ci/fleet up '$(HOSTS)'
+
+fleet-down:
+	@exec ci/fleet down
+
+fleet-faults:
+	@ci/setup fleet
+	@ci/fleet up
+	@exec ci/fleet test --timeout=1800 tests/fleet/faults
