@@ -1,8 +1,5 @@
-"""Updates: rolling, never in a battle, back by themselves; and a deploy that is broken off."""
+"""Updates: rolling, never in a battle, back by themselves."""
 
-import json
-import signal
-import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from xml.etree import ElementTree
@@ -13,7 +10,7 @@ from tests.fleet.faults.battle import PLAYING, obeys, start
 from tests.support.fleet import Machine
 from tests.support.player import Eyes, Player
 from tests.support.programs import ROOT
-from tests.support.rehearsal import FOLDER, Playbook, Rehearsal, docker
+from tests.support.rehearsal import FOLDER, Rehearsal, docker
 
 Measured = Callable[[str], None]
 PLATFORMS = "linux/amd64,linux/arm/v7"
@@ -103,30 +100,3 @@ def test_an_image_that_does_not_start_is_refused(rehearsal: Rehearsal, broken: P
     assert images(rehearsal.robots) == old
     assert rehearsal.robots[0].run("cat /etc/laserbot/release.json") == release
     rehearsal.wait_until_complete()
-
-
-def test_a_robot_is_replaced_and_the_deploy_is_broken_off(rehearsal: Rehearsal, measured: Measured) -> None:
-    """Another Raspberry Pi in the place of a broken one: the same name, a fresh SD card."""
-    robot = rehearsal.robots[1]
-    docker("rm", "--force", "--volumes", f"laserbot-fleet-{robot.name}")
-    docker("volume", "rm", f"laserbot-fleet-{robot.name}")
-    forget(robot)
-    subprocess.run([str(ROOT / "ci" / "fleet-hosts"), "up"], check=True)
-    measured("")
-    first = Playbook("deploy")
-    first.wait_for("TASK [host : Install the packages of all hosts]", 120)
-    first.stop(signal.SIGINT, 60)
-    measured("broken off")
-    run = rehearsal.playbook("deploy")
-    measured("run again to its end")
-    assert run.recap[robot.name]["changed"] > 10
-    assert json.loads(robot.run("cat /etc/laserbot/release.json"))["current"] == images([rehearsal.robots[0]])[0]
-    rehearsal.wait_until_complete()
-    measured("all robots play")
-
-
-def forget(robot: Machine) -> None:
-    """The new host has another SSH key."""
-    robot.__dict__.pop("host", None)
-    known = FOLDER / "known_hosts"
-    known.write_text("".join(line for line in known.open() if not line.startswith(f"{robot.address} ")))
