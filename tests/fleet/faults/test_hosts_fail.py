@@ -27,6 +27,12 @@ def test_the_master_loses_its_power(rehearsal: Rehearsal, measured: Measured) ->
         assert ann.robot == 1, "the robots have their IDs"
 
 
+def test_all_hosts_are_rebooted(rehearsal: Rehearsal, measured: Measured) -> None:
+    rehearsal.playbook("reboot")
+    measured("all healthy after reboot.yml, robots after the master")
+    rehearsal.wait_until_complete(60)
+
+
 def test_a_robot_loses_its_power_in_a_battle(
     rehearsal: Rehearsal, players: tuple[Player, Player], measured: Measured
 ) -> None:
