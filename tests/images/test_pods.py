@@ -1,0 +1,184 @@
+"""The manifests of k3s/ with the real images: each pod as a kubelet would run it, without any name service."""
+
+import json
+import os
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import requests
+import yaml
+
+from tests.support.containers import docker
+from tests.support.imagefile import dockerfile
+from tests.support.manifests import Manifests, overlay
+from tests.support.player import Eyes, Player, hunt
+from tests.support.pods import ClusterBattle, Pod, free_node_ports
+from tests.support.polling import until
+from tests.support.programs import ROOT
+
+STOPPED, PLAYING = 0, 2
+
+
+@pytest.fixture(scope="module")
+def manifests(version: str, tmp_path_factory: pytest.TempPathFactory) -> Manifests:
+    """The sim overlay as an operator changes it: other ports, and short rules."""
+    folder: Path = tmp_path_factory.mktemp("kustomization")
+    up = os.path.relpath(ROOT / "k3s", folder)
+    ports = [f"{name}={number}" for name, number in free_node_ports().items()]
+    rules = ["LASERBOT_HIT_DAMAGE=40", "LASERBOT_COUNTDOWN=1"]
+    content = {
+        "resources": [f"{up}/overlays/sim"],
+        "components": [f"{up}/components/node-ports"],
+        "configMapGenerator": [
+            {"name": "node-ports", "behavior": "merge", "literals": ports},
+            {"name": "settings", "behavior": "merge", "literals": rules},
+        ],
+    }
+    for item in content["configMapGenerator"]:
+        item["namespace"] = "laserbot"
+    (folder / "kustomization.yaml").write_text(yaml.safe_dump(content))
+    built = Manifests(folder)
+    assert {container["image"].split(":")[1] for _, container in built.containers} == {version}
+    return built.within("laserbot")
+
+
+@pytest.fixture(scope="module")
+def battle(manifests: Manifests, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ClusterBattle]:
+    with ClusterBattle(manifests, tmp_path_factory.mktemp("cluster")) as running:
+        running.wait_until_ready()
+        yield running
+
+
+def test_every_container_passes_every_probe_and_none_has_ended(battle: ClusterBattle) -> None:
+    assert sorted(battle.pods) == ["arena", "bot", "master", "robot-0", "robot-1"]
+    for pod in battle.pods.values():
+        for container in pod.spec["containers"]:
+            for probe in [key for key in container if key.endswith("Probe")]:
+                assert pod.passes(container["name"], probe), f"{pod.name}/{container['name']} {probe}"
+            assert pod.state(container["name"])["Running"]
+            assert pod.exec(container["name"], "id", "-u").strip() == "10001"
+
+
+def test_a_person_plays_against_the_bot_to_the_end(battle: ClusterBattle) -> None:
+    with Player(battle, "Ann") as ann, Eyes(battle) as eyes:
+        page = ann.http.get(f"{battle.web}/home", timeout=5).text
+        assert f'name="rosbridge-port" content="{battle.rosbridge_port}"' in page
+        assert f'name="view-port" content="{battle.arena_port}"' in page
+        assert {robot["name"]: robot["id"] for robot in eyes.robots().values()} == {"robot-0": 0, "robot-1": 1}
+        assert ann.ready() == "OK"
+        ann.wait_for_game(PLAYING, 30)
+
+        def over() -> bool:
+            robots = eyes.robots()
+            ann.drive(*hunt(robots[ann.robot], robots[1 - ann.robot]))
+            return bool(ann.look()["game"] == STOPPED)
+
+        until(over, 120, "one of them shoots the other to the end")
+        result = {entry["name"]: entry["life"] for entry in ann.look()["result"]}
+        assert set(result) == {"Ann", "Bot1"}
+        assert min(result.values()) == 0
+
+
+def test_after_a_crash_of_ros_everything_comes_back_by_restarts_alone(battle: ClusterBattle) -> None:
+    master = battle.pods["master"]
+    master.kill("ros-master")
+    restarted: set[str] = set()
+
+    def all_again() -> bool:
+        restarted.update(battle.restart_what_ended())
+        return {"master/ros-master", "master/rosbridge", "master/web"} <= restarted
+
+    until(all_again, 60, "web and rosbridge end by themselves")
+    battle.wait_until_ready(120)
+    with Player(battle, "Bea") as bea:
+        assert bea.ready() == "OK"
+        bea.wait_for_game(PLAYING, 60)
+    assert restarted == {"master/ros-master", "master/rosbridge", "master/web"}
+
+
+def test_a_pod_that_is_older_than_the_services_ends_its_programs_until_they_are_there(battle: ClusterBattle) -> None:
+    """A kubelet starts an ended container with the addresses that it knows then."""
+    for pod_name, says in {
+        "robot-0": {"arduino": "ARENA_SERVICE_PORT_LINK", "robot": "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB)"},
+        "bot": {"bot": "LASERBOT_ROSBRIDGE_PORT=$(MASTER_SERVICE_PORT_ROSBRIDGE)"},
+    }.items():
+        pod = battle.pods[pod_name]
+        pod.start(battle.manifests, {})
+        for name, words in says.items():
+            until(lambda pod=pod, name=name: not pod.state(name)["Running"], 20, f"{name} ends")
+            assert pod.state(name)["ExitCode"] == 2
+            assert words in pod.logs(name)
+    assert len(battle.restart_what_ended()) == 3
+    battle.wait_until_ready(120)
+
+
+def test_the_master_is_found_by_its_services_while_a_part_of_it_is_not_ready(battle: ClusterBattle) -> None:
+    master = battle.pods["master"]
+    master.kill("rosbridge")
+    assert requests.post(f"{battle.web}/updateGameStatus", timeout=5).ok
+    assert battle.restart_what_ended() == ["master/rosbridge"]
+    battle.wait_until_ready()
+
+
+@pytest.mark.parametrize("image", ["webserver", "rosberry", "sim"])
+def test_what_the_manifests_are_checked_against_is_what_the_image_says(version: str, image: str) -> None:
+    config = json.loads(docker("image", "inspect", "--format", "{{json .Config}}", f"{image}:{version}"))
+    expected = dockerfile(image)
+    assert config["User"] == expected.user
+    assert config["Cmd"] == expected.command
+    assert config["Healthcheck"]["Test"] == ["CMD", *expected.health]
+    assert {int(port.split("/")[0]) for port in config.get("ExposedPorts") or {}} == expected.ports
+    assert set(config.get("Volumes") or {}) == expected.volumes
+    environment = dict(pair.split("=", 1) for pair in config["Env"])
+    assert expected.environment.items() <= environment.items()
+    assert "/usr/bin" in environment["PATH"]  # the manifests' commands and probes name no folder
+
+
+@pytest.fixture
+def robot_with_a_device(version: str, tmp_path: Path) -> Iterator[Pod]:
+    """The robot of the lan overlay, on a host whose /dev/laserbot belongs to the group dialout."""
+    (tmp_path / "dev").mkdir()
+    # any device that no container may open by default
+    os.mknod(tmp_path / "dev/laserbot", stat.S_IFCHR | 0o660, os.makedev(10, 229))
+    os.chown(tmp_path / "dev/laserbot", 0, 20)
+    (tmp_path / "dev/laserbot").chmod(0o660)
+    pod = Pod(overlay("lan").one("DaemonSet", "robot"), "raspberrypi1", tmp_path)
+    pod.start(overlay("lan").within("laserbot"), {"master": pod.address})
+    yield pod
+    pod.remove()
+
+
+OPEN = "import os; os.close(os.open('/host/dev/laserbot', os.O_RDWR)); print('open')"
+
+
+def test_a_real_robot_opens_its_device_without_being_root(robot_with_a_device: Pod) -> None:
+    pod = robot_with_a_device
+    assert pod.exec("robot", "python3", "-c", OPEN).strip() == "open"
+    status = pod.exec("robot", "cat", "/proc/1/status")
+    assert "CapEff:\t0000000000000000" in status
+    assert "Uid:\t10001\t10001\t10001\t10001" in status
+    assert pod.exec("robot", "sh", "-c", "find / -xdev -perm /6000 -type f 2>/dev/null; true") == ""
+
+
+def test_without_privilege_the_device_is_refused(robot_with_a_device: Pod) -> None:
+    """The reason why overlays/lan/robots.yaml asks for it."""
+    pod = robot_with_a_device
+    pod.spec = json.loads(json.dumps(pod.spec))
+    pod.of("robot")
+    pod.spec["containers"][0]["securityContext"] = {"readOnlyRootFilesystem": True}
+    pod.start_container("robot", overlay("lan").within("laserbot"), {"master": pod.address})
+    with pytest.raises(AssertionError, match="Operation not permitted"):
+        pod.exec("robot", "python3", "-c", OPEN)
+
+
+def test_a_robot_without_arduino_says_so_and_is_not_ready(version: str, tmp_path: Path) -> None:
+    pod = Pod(overlay("lan").one("DaemonSet", "robot"), "raspberrypi1", tmp_path)
+    try:
+        pod.start(overlay("lan").within("laserbot"), {"master": pod.address})
+        until(lambda: "No attached ARDUINO found: looked for /host/dev/laserbot" in pod.logs("robot"), 20)
+        assert not pod.passes("robot", "readinessProbe")
+        assert pod.state("robot")["Running"]
+    finally:
+        pod.remove()

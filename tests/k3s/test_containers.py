@@ -1,0 +1,204 @@
+"""Every container of the manifests against its image and its program."""
+
+import re
+import subprocess
+import sys
+from functools import cache
+
+import pytest
+
+from images.health import CHECKS
+from server.referee import Rules
+from tests.support.imagefile import dockerfile, folders
+from tests.support.manifests import REFERENCE, Kubelet, Manifests, Object, overlay
+from tests.support.program_settings import ProgramSettings
+from tests.support.programs import ROOT
+
+FIELDS = {
+    "metadata.name": "robot-0",
+    "spec.nodeName": "raspberrypi1",
+    "status.podIP": "10.42.0.7",
+    "status.hostIP": "192.0.2.7",
+}
+CASES = [
+    pytest.param(name, namespace, pod, container, id=f"{name}-{namespace}-{container['name']}")
+    for name in ("lan", "sim", "arenas")
+    for namespace in overlay(name).namespaces
+    for pod, container in overlay(name).within(namespace).containers
+]
+every_container = pytest.mark.parametrize(("name", "namespace", "pod", "container"), CASES)
+
+
+class Started:
+    """A container as the kubelet would start it."""
+
+    def __init__(self, name: str, namespace: str, pod: Object, container: Object) -> None:
+        self.manifests: Manifests = overlay(name).within(namespace)
+        services = self.manifests.of("Service")
+        self.addresses = {item["metadata"]["name"]: f"10.43.0.{number}" for number, item in enumerate(services, 1)}
+        kubelet = Kubelet(self.manifests, pod, FIELDS, self.addresses)
+        self.pod, self.container = pod, container
+        self.environment = kubelet.environment(container)
+        self.command = kubelet.command(container)
+        self.image: str = container["image"].partition(":")[0]
+        self.settings = ProgramSettings(self.command, self.environment)
+        self.given = {item["name"] for item in container.get("env", [])}
+        for source in container.get("envFrom", []):
+            self.given |= set(self.manifests.one("ConfigMap", source["configMapRef"]["name"])["data"])
+
+
+@pytest.fixture
+def started(name: str, namespace: str, pod: Object, container: Object) -> Started:
+    return Started(name, namespace, pod, container)
+
+
+@every_container
+def test_the_command_is_a_program_of_the_image(started: Started) -> None:
+    program = started.command[0]
+    if program == "python3":
+        module = started.command[2]
+        assert module.split(".")[0] in folders(started.image)
+        path = ROOT / module.replace(".", "/")
+        assert path.with_suffix(".py").is_file() or (path / "__main__.py").is_file()
+    else:
+        assert program in {"rosmaster", "avr_robot"}
+        assert (program == "rosmaster") == (started.image == "webserver")
+
+
+@every_container
+def test_the_program_knows_its_options(started: Started) -> None:
+    options = [word for word in started.command if re.fullmatch(r"--[a-z]+", word) or word == "-p"]
+    if not options:
+        return
+    known = usage(*started.command[: 3 if started.command[0] == "python3" else 1])
+    for option in options:
+        assert option in known
+
+
+@cache
+def usage(program: str, *arguments: str) -> str:
+    """The program's --help."""
+    here = {
+        "python3": [sys.executable],
+        "avr_robot": [ROOT / "build/sim/avr_robot"],
+        "rosmaster": ["/usr/bin/python3", "/usr/bin/rosmaster"],
+    }
+    words = [*here[program], *arguments, "--help"]
+    return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+
+
+@every_container
+def test_the_program_reads_every_variable_and_accepts_its_value(started: Started) -> None:
+    in_command = {name for word in started.container["command"] for name in REFERENCE.findall(word)}
+    assert started.given <= started.settings.variables | in_command
+
+
+@every_container
+def test_every_reference_is_resolved(started: Started) -> None:
+    for text in (*started.command, *started.environment.values()):
+        assert not REFERENCE.search(text)
+
+
+@every_container
+def test_its_ports_are_those_that_the_program_listens_at(started: Started) -> None:
+    named = {port["containerPort"] for port in started.container.get("ports", [])}
+    assert named == started.settings.ports
+    assert named <= dockerfile(started.image).ports
+
+
+@every_container
+def test_its_user_is_the_images_user(started: Started) -> None:
+    rights = started.pod["securityContext"]
+    assert f"{rights['runAsUser']}:{rights['runAsGroup']}" == dockerfile(started.image).user
+    assert rights["fsGroup"] == rights["runAsGroup"]
+
+
+@every_container
+def test_what_the_image_writes_to_is_a_volume_and_no_other(started: Started) -> None:
+    image = dockerfile(started.image)
+    mounts = {mount["mountPath"]: mount for mount in started.container["volumeMounts"]}
+    volumes = {volume["name"]: volume for volume in started.pod["volumes"]}
+    run = image.environment["ROS_HOME"]
+    assert image.environment["ROS_LOG_DIR"].startswith(run)
+    assert "emptyDir" in volumes[mounts[run]["name"]]
+    writable = {path for path, mount in mounts.items() if not mount.get("readOnly")}
+    data = {image.environment["LASERBOT_DATA"]} if "LASERBOT_DATA" in started.settings.variables else set()
+    assert data <= image.volumes
+    assert writable == {run} | data
+
+
+@pytest.mark.parametrize("name", ["lan", "sim", "arenas"])
+def test_every_volume_is_used_by_one_container(name: str) -> None:
+    for workload in overlay(name).workloads:
+        pod = workload["spec"]["template"]["spec"]
+        used = [mount["name"] for container in pod["containers"] for mount in container["volumeMounts"]]
+        assert sorted(used) == sorted(volume["name"] for volume in pod["volumes"])
+
+
+@every_container
+def test_its_probes_ask_the_service_itself(started: Started) -> None:
+    probes = [value for key, value in started.container.items() if key.endswith("Probe")]
+    assert "readinessProbe" in started.container
+    health = dockerfile(started.image).health
+    for probe in probes:
+        if "exec" in probe:
+            assert probe["exec"]["command"] == health
+            # process 1 is then the pod's, and the check could not tell which program it is asked about
+            assert not started.pod.get("shareProcessNamespace")
+            assert any(word in CHECKS or f"/usr/bin/{word}" in CHECKS for word in started.command)
+        else:
+            port = probe["httpGet"]["port"]
+            assert port in {item["name"] for item in started.container["ports"]}
+        assert probe["timeoutSeconds"] >= 5
+        assert probe["timeoutSeconds"] <= probe["periodSeconds"] or probe is started.container["startupProbe"]
+
+
+@pytest.mark.parametrize("name", ["lan", "sim", "arenas"])
+def test_each_service_of_the_master_has_all_three_probes(name: str) -> None:
+    for namespace in overlay(name).namespaces:
+        master = overlay(name).within(namespace).one("Deployment", "master")
+        containers = master["spec"]["template"]["spec"]["containers"]
+        assert [container["name"] for container in containers] == ["ros-master", "rosbridge", "web"]
+        for container in containers:
+            assert {"startupProbe", "readinessProbe", "livenessProbe"} <= set(container)
+
+
+@every_container
+def test_its_resources_are_bounded(started: Started) -> None:
+    resources = started.container["resources"]
+    assert set(resources["requests"]) == set(resources["limits"]) == {"cpu", "memory"}
+
+
+def test_the_rules_of_the_base_are_the_programs_defaults() -> None:
+    (settings,) = overlay("lan").of("ConfigMap")
+    (web,) = [container for _, container in overlay("lan").containers if container["name"] == "web"]
+    read = ProgramSettings(web["command"], settings["data"])
+    assert read.settings is not None
+    assert read.settings.rules == Rules()
+    rules = {"LASERBOT_HIT_DAMAGE", "LASERBOT_COUNTDOWN", "LASERBOT_BATTLE_LIMIT", "LASERBOT_PLAYER_TIMEOUT"}
+    assert rules <= set(settings["data"])
+
+
+def test_virtual_robots_have_the_ids_that_are_painted_on_them() -> None:
+    (settings,) = overlay("sim").of("ConfigMap")
+    (web,) = [container for _, container in overlay("sim").containers if container["name"] == "web"]
+    read = ProgramSettings(web["command"], settings["data"])
+    assert read.settings is not None
+    robots = overlay("sim").one("StatefulSet", "robot")
+    expected = {f"/id_service_client_{robots['metadata']['name']}_{number}": number for number in range(8)}
+    assert read.settings.roster == expected
+
+
+def test_a_virtual_robot_is_its_pod() -> None:
+    """Its Arduino is in the arena, and its software known to the server, by the name of the pod."""
+    manifests = overlay("sim")
+    pod = manifests.one("StatefulSet", "robot")["spec"]["template"]["spec"]
+    addresses = {"master": "10.43.0.1", "arena": "10.43.0.2"}
+    kubelet = Kubelet(manifests, pod, FIELDS | {"metadata.name": "robot-1"}, addresses)
+    arduino, robot = pod["containers"]
+    words = kubelet.command(arduino)
+    assert words[words.index("--name") + 1] == "robot-1"
+    environment = kubelet.environment(robot)
+    assert environment["LASERBOT_ROBOT_NAME"] == "robot-1"
+    assert environment["LASERBOT_SERIAL"] == f"socket://{words[words.index('--tcp') + 1]}"
+    assert words[words.index("--firmware") + 1].startswith("/opt/laserbot/firmware/")

@@ -1,0 +1,141 @@
+"""What `kubectl apply -k` sends is valid, complete, in an order that works, and of the images of this version."""
+
+import re
+
+import kubernetes_validate
+import pytest
+import yaml
+from kubernetes_validate.utils import all_versions
+
+from tests.k3s.conftest import Customize
+from tests.support.imagefile import platforms, version
+from tests.support.manifests import OVERLAYS, WORKLOADS, Manifests, overlay
+from tests.support.programs import ROOT
+
+OLDEST = (1, 32)
+# each is there twice, strict and not
+VERSIONS = [
+    text for text in dict.fromkeys(all_versions()) if tuple(int(part) for part in text.split(".")[:2]) >= OLDEST
+]
+# of Kubernetes itself: no ingress controller, no resource of k3s
+KINDS = {
+    "v1": {"Namespace", "ServiceAccount", "ConfigMap", "Service", "PersistentVolumeClaim"},
+    "apps/v1": WORKLOADS,
+    "policy/v1": {"PodDisruptionBudget"},
+}
+IMAGES = ("webserver", "rosberry", "sim")
+
+
+def validate(manifests: Manifests, kubernetes: str) -> None:
+    for item in manifests.objects:
+        kubernetes_validate.validate(item, kubernetes, strict=True)
+
+
+@pytest.mark.parametrize("kubernetes", VERSIONS)
+def test_every_object_fits_the_schemas_of_kubernetes(manifests: Manifests, kubernetes: str) -> None:
+    validate(manifests, kubernetes)
+
+
+def test_the_schemas_cover_the_versions_that_k3s_ships() -> None:
+    assert VERSIONS[0].startswith("1.32.")
+    assert len(VERSIONS) >= 4
+
+
+@pytest.mark.parametrize("component", ["kept-data", "device-plugin"])
+def test_each_optional_part_of_lan_fits_the_schemas_too(customize: Customize, component: str) -> None:
+    changed = customize("lan", component)
+    assert changed.objects != overlay("lan").objects
+    for kubernetes in (VERSIONS[0], VERSIONS[-1]):
+        validate(changed, kubernetes)
+
+
+def test_the_schemas_refuse_what_is_wrong(customize: Customize) -> None:
+    patch = {
+        "target": {"kind": "Service", "name": "master"},
+        "patch": '[{"op": "add", "path": "/spec/prots", "value": 1}]',
+    }
+    with pytest.raises(kubernetes_validate.ValidationError, match="prots"):
+        validate(customize("sim", patches=[patch]), VERSIONS[0])
+
+
+def test_the_example_of_the_secret_fits_what_rosbridge_asks_for() -> None:
+    example = yaml.safe_load((ROOT / "k3s/base/secret.example.yaml").read_text())
+    kubernetes_validate.validate(example, VERSIONS[0], strict=True)
+    ((_, rosbridge),) = [
+        (pod, container) for pod, container in overlay("sim").containers if container["name"] == "rosbridge"
+    ]
+    (token,) = [item for item in rosbridge["env"] if item["name"] == "LASERBOT_OPERATOR_TOKEN"]
+    reference = token["valueFrom"]["secretKeyRef"]
+    assert reference["name"] == example["metadata"]["name"]
+    assert reference["key"] in example["stringData"]
+
+
+def test_only_kinds_that_every_cluster_has(manifests: Manifests) -> None:
+    for item in manifests.objects:
+        assert item["kind"] in KINDS[item["apiVersion"]]
+        assert item["spec"].get("type") != "LoadBalancer" if item["kind"] == "Service" else True
+
+
+def test_what_others_need_comes_first(manifests: Manifests) -> None:
+    kinds = [item["kind"] for item in manifests.objects]
+    first = kinds.index(next(kind for kind in kinds if kind in WORKLOADS))
+    needed = {"Namespace", "ServiceAccount", "ConfigMap", "Service", "PersistentVolumeClaim"}
+    assert not needed & set(kinds[first:])
+    assert set(kinds[: len(manifests.namespaces)]) == {"Namespace"}
+
+
+def test_every_object_is_in_a_namespace_that_is_made_with_it(manifests: Manifests) -> None:
+    for item in manifests.objects:
+        if item["kind"] != "Namespace":
+            assert item["metadata"]["namespace"] in manifests.namespaces
+
+
+def test_values_of_config_maps_are_text(manifests: Manifests) -> None:
+    """A number without quotes is refused by the cluster."""
+    for item in manifests.of("ConfigMap"):
+        assert {type(value) for value in item["data"].values()} == {str}
+
+
+def test_images_are_of_this_version_and_may_be_loaded_by_hand(manifests: Manifests) -> None:
+    for _, container in manifests.containers:
+        name, _, tag = container["image"].partition(":")
+        assert name in IMAGES
+        assert tag == version()
+        assert container["imagePullPolicy"] == "IfNotPresent"
+
+
+@pytest.mark.parametrize("name", OVERLAYS)
+@pytest.mark.parametrize("image", IMAGES)
+def test_one_entry_replaces_an_image_everywhere(customize: Customize, name: str, image: str) -> None:
+    entry = {"name": image, "newName": f"laser-bot-master.local:5443/{image}", "newTag": "9"}
+    before = [container["image"] for _, container in overlay(name).containers]
+    after = [container["image"] for _, container in customize(name, images=[entry]).containers]
+    assert after == [re.sub(f"^{image}:.*", f"laser-bot-master.local:5443/{image}:9", text) for text in before]
+
+
+def test_a_pod_is_placed_only_where_its_images_run(manifests: Manifests) -> None:
+    every = {"amd64", "arm64", "arm"}
+    for pod, container in manifests.containers:
+        terms = pod.get("affinity", {}).get("nodeAffinity", {}).get("requiredDuringSchedulingIgnoredDuringExecution")
+        allowed = set(terms["nodeSelectorTerms"][0]["matchExpressions"][0]["values"]) if terms else every
+        has = {platform.split("/")[1] for platform in platforms(container["image"].partition(":")[0])}
+        assert allowed <= has
+        assert has & every <= allowed
+
+
+def test_arenas_differ_in_nothing_but_namespace_and_ports() -> None:
+    both = overlay("arenas")
+    names = both.namespaces
+    assert len(names) == 2
+
+    def neutral(namespace: str) -> str:
+        text = str(both.within(namespace).objects).replace(namespace, "NAMESPACE")
+        text = re.sub(r"settings-[a-z0-9]{10}", "SETTINGS", text)
+        return re.sub(r"\b3\d{4}\b", "PORT", text)
+
+    assert neutral(names[0]) == neutral(names[1])
+
+
+def test_the_number_of_robots_is_one_value(customize: Customize) -> None:
+    changed = customize("sim", replicas=[{"name": "robot", "count": 4}])
+    assert changed.one("StatefulSet", "robot")["spec"]["replicas"] == 4

@@ -1,0 +1,108 @@
+"""What a container may do: nothing, except where hardware needs it."""
+
+import pytest
+
+from tests.k3s.conftest import Customize
+from tests.support.manifests import Manifests, Object, overlay
+
+ENFORCE = "pod-security.kubernetes.io/enforce"
+NO_RIGHTS = {
+    "allowPrivilegeEscalation": False,
+    "readOnlyRootFilesystem": True,
+    "capabilities": {"drop": ["ALL"]},
+}
+
+
+def level(manifests: Manifests) -> set[str]:
+    """Of Kubernetes' Pod Security Standards, what the namespaces enforce."""
+    return {item["metadata"]["labels"][ENFORCE] for item in manifests.of("Namespace")}
+
+
+def is_restricted(pod: Object) -> bool:
+    """By the standard `restricted`, as far as its rules say something about these pods."""
+    rights = pod["securityContext"]
+    return (
+        rights["runAsNonRoot"] is True
+        and rights["runAsUser"] != 0
+        and rights.get("seccompProfile") == {"type": "RuntimeDefault"}
+        and not any(pod.get(name) for name in ("hostNetwork", "hostPID", "hostIPC"))
+        and all({"emptyDir", "persistentVolumeClaim"} & set(volume) for volume in pod["volumes"])
+        and all(container["securityContext"] == NO_RIGHTS for container in pod["containers"])
+    )
+
+
+@pytest.mark.parametrize("name", ["sim", "arenas"])
+def test_without_hardware_every_pod_is_restricted_and_the_cluster_enforces_it(name: str) -> None:
+    assert level(overlay(name)) == {"restricted"}
+    for pod, _ in overlay(name).containers:
+        assert is_restricted(pod)
+
+
+def test_on_a_lan_the_master_has_its_hosts_network_and_nothing_else() -> None:
+    assert level(overlay("lan")) == {"privileged"}
+    pod = overlay("lan").one("Deployment", "master")["spec"]["template"]["spec"]
+    assert pod.pop("hostNetwork") is True
+    try:
+        assert is_restricted(pod)
+    finally:
+        pod["hostNetwork"] = True
+
+
+def test_on_a_lan_the_robots_privilege_is_its_devices_only() -> None:
+    pod = overlay("lan").one("DaemonSet", "robot")["spec"]["template"]["spec"]
+    (robot,) = pod["containers"]
+    assert robot["securityContext"] == {"privileged": True, "readOnlyRootFilesystem": True}
+    assert pod["securityContext"]["runAsNonRoot"] is True
+    assert pod["securityContext"]["runAsUser"] != 0
+    (dev,) = [volume for volume in pod["volumes"] if "hostPath" in volume]
+    assert dev["hostPath"]["path"] == "/dev"
+    (mount,) = [mount for mount in robot["volumeMounts"] if mount["name"] == dev["name"]]
+    assert mount["readOnly"] is True
+    (serial,) = [item["value"] for item in robot["env"] if item["name"] == "LASERBOT_SERIAL"]
+    assert all(path.startswith(f"{mount['mountPath']}/") for path in serial.split())
+
+
+def test_with_a_device_plugin_a_robot_is_not_privileged(customize: Customize) -> None:
+    pod = customize("lan", "device-plugin").one("DaemonSet", "robot")["spec"]["template"]["spec"]
+    assert pod.pop("hostNetwork") is True
+    assert is_restricted(pod)
+    (robot,) = pod["containers"]
+    assert {"squat.ai/laserbot"} == set(robot["resources"]["limits"]) - {"cpu", "memory"}
+
+
+def test_no_pod_gets_a_token_of_the_cluster(manifests: Manifests) -> None:
+    accounts = {}
+    for account in manifests.of("ServiceAccount"):
+        accounts[account["metadata"]["namespace"], account["metadata"]["name"]] = account
+    for workload in manifests.workloads:
+        pod = workload["spec"]["template"]["spec"]
+        account = accounts[workload["metadata"]["namespace"], pod["serviceAccountName"]]
+        assert pod["automountServiceAccountToken"] is False
+        assert account["automountServiceAccountToken"] is False
+
+
+def test_the_data_can_be_kept(customize: Customize) -> None:
+    kept = customize("lan", "kept-data")
+    claim = kept.one("PersistentVolumeClaim", "data")
+    volumes = kept.one("Deployment", "master")["spec"]["template"]["spec"]["volumes"]
+    (data,) = [volume for volume in volumes if volume["name"] == "data"]
+    assert data == {"name": "data", "persistentVolumeClaim": {"claimName": claim["metadata"]["name"]}}
+
+
+def test_updates_never_run_two_masters_and_change_one_robot_at_a_time(manifests: Manifests) -> None:
+    for workload in manifests.workloads:
+        spec = workload["spec"]
+        match workload["kind"]:
+            case "Deployment":
+                assert spec["replicas"] == 1
+                assert spec["strategy"] == {"type": "Recreate"}
+            case "DaemonSet":
+                assert spec["updateStrategy"] == {"type": "RollingUpdate", "rollingUpdate": {"maxUnavailable": 1}}
+
+
+def test_on_a_lan_pods_go_to_the_nodes_with_their_label() -> None:
+    roles = {
+        workload["metadata"]["name"]: workload["spec"]["template"]["spec"]["nodeSelector"]
+        for workload in overlay("lan").workloads
+    }
+    assert roles == {"master": {"laserbot/role": "master"}, "robot": {"laserbot/role": "robot"}}

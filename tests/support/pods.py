@@ -1,0 +1,208 @@
+"""Pods in a Docker Engine, as a kubelet would run them: what there is of a cluster where there is no cluster.
+
+A pod is a container that only holds the network, and the containers of the manifest in that network, with the user,
+rights, volumes, environment, command and limits that the manifest says. There is no name service at all. A Service's
+address is its pod's address: every Service's port is its pod's port (tests/k3s).
+"""
+
+import http.client
+import json
+import re
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Self
+
+from tests.support.containers import docker
+from tests.support.manifests import Kubelet, Manifests, Object
+from tests.support.polling import until
+from tests.support.ports import free_port
+
+
+class Pod:
+    """One pod of a workload; `publish` are pod ports by the ports of this machine's localhost."""
+
+    def __init__(self, workload: Object, name: str, folder: Path, publish: Mapping[int, int] | None = None) -> None:
+        self.name = name
+        self.spec: Object = workload["spec"]["template"]["spec"]
+        self._folder = folder
+        resolver = folder / "resolv.conf"
+        resolver.write_text("nameserver 192.0.2.1\n")  # of the addresses for documentation: nobody answers
+        self._sandbox = docker(
+            "run", "--detach", f"--hostname={name}", *self._rights({"securityContext": {}}),
+            f"--volume={resolver}:/etc/resolv.conf:ro",
+            *[f"--publish=127.0.0.1:{local}:{inside}" for local, inside in (publish or {}).items()],
+            self.spec["containers"][0]["image"], "sleep", "infinity",
+        ).strip()  # fmt: skip
+        self._resolver = resolver
+        self.address = docker(
+            "inspect", "--format", "{{range .NetworkSettings.Networks}}{{.IPAddress}}{{end}}", self._sandbox
+        ).strip()
+        self.containers: dict[str, str] = {}
+
+    def start(self, manifests: Manifests, addresses: Mapping[str, str]) -> None:
+        """Start all containers; `manifests` are the namespace's, `addresses` the Services' by name."""
+        for container in self.spec["containers"]:
+            self.start_container(container["name"], manifests, addresses)
+
+    def start_container(self, name: str, manifests: Manifests, addresses: Mapping[str, str]) -> None:
+        """Start one container, or again with what its environment is now."""
+        if name in self.containers:
+            docker("rm", "--force", "--volumes", self.containers[name])
+        container = self.of(name)
+        fields = {"metadata.name": self.name, "status.podIP": self.address, "status.hostIP": self.address}
+        kubelet = Kubelet(manifests, self.spec, fields | {"spec.nodeName": self.name}, addresses)
+        limits = container["resources"]["limits"]
+        command = kubelet.command(container)
+        self.containers[name] = docker(
+            "run", "--detach", f"--network=container:{self._sandbox}",
+            *self._rights(container), *self._mounts(container),
+            f"--volume={self._resolver}:/etc/resolv.conf:ro",
+            f"--memory={limits['memory'].removesuffix('i').lower()}", f"--cpus={limits['cpu']}",
+            *[f"--env={key}={value}" for key, value in kubelet.environment(container).items()],
+            f"--entrypoint={command[0]}", container["image"], *command[1:],
+        ).strip()  # fmt: skip
+
+    def of(self, name: str) -> Object:
+        (container,) = [each for each in self.spec["containers"] if each["name"] == name]
+        return dict(container)
+
+    def _rights(self, container: Object) -> list[str]:
+        pod, own = self.spec["securityContext"], container["securityContext"]
+        groups = [pod["fsGroup"], *pod.get("supplementalGroups", [])]
+        flags = [f"--user={pod['runAsUser']}:{pod['runAsGroup']}", *[f"--group-add={group}" for group in groups]]
+        flags += ["--privileged"] if own.get("privileged") else []
+        flags += ["--read-only"] if own.get("readOnlyRootFilesystem") else []
+        flags += [f"--cap-drop={each}" for each in own.get("capabilities", {}).get("drop", [])]
+        flags += ["--security-opt=no-new-privileges"] if own.get("allowPrivilegeEscalation") is False else []
+        return flags
+
+    def _mounts(self, container: Object) -> list[str]:
+        """An emptyDir belongs to root and the fsGroup, and everybody may write."""
+        volumes = {volume["name"]: volume for volume in self.spec["volumes"]}
+        flags = []
+        for mount in container["volumeMounts"]:
+            volume = volumes[mount["name"]]
+            if "emptyDir" in volume:
+                size = re.sub("i$", "", volume["emptyDir"]["sizeLimit"]).lower()
+                options = f"uid=0,gid={self.spec['securityContext']['fsGroup']},mode=2777,size={size}"
+                flags.append(f"--tmpfs={mount['mountPath']}:{options}")
+            else:
+                read_only = ":ro" if mount.get("readOnly") else ""
+                flags.append(f"--volume={self._host_path(volume)}:{mount['mountPath']}{read_only}")
+        return flags
+
+    def _host_path(self, volume: Object) -> Path:
+        """Instead of the host's own folder, one of this test's."""
+        path = self._folder / volume["hostPath"]["path"].lstrip("/")
+        path.mkdir(parents=True, exist_ok=True)
+        return path
+
+    def passes(self, name: str, probe: str) -> bool:
+        """What the kubelet finds when it asks this probe of the container."""
+        container = self.of(name)
+        how = container[probe]
+        if "exec" in how:
+            words = ["docker", "exec", self.containers[name], *how["exec"]["command"]]
+            return subprocess.run(words, capture_output=True, timeout=60, check=False).returncode == 0
+        (port,) = [each for each in container["ports"] if each["name"] == how["httpGet"]["port"]]
+        connection = http.client.HTTPConnection(self.address, port["containerPort"], timeout=how["timeoutSeconds"])
+        try:
+            connection.request("GET", how["httpGet"]["path"])
+            return 200 <= connection.getresponse().status < 400
+        except OSError:
+            return False
+        finally:
+            connection.close()
+
+    def wait_until_ready(self, seconds: float = 60.0) -> None:
+        for name in self.containers:
+            try:
+                until(lambda name=name: self.passes(name, "readinessProbe"), seconds, f"{self.name}/{name} is ready")
+            except AssertionError as error:
+                raise AssertionError(f"{error}\n{self.logs(name)}") from None
+
+    def state(self, name: str) -> Object:
+        return dict(json.loads(docker("inspect", "--format", "{{json .State}}", self.containers[name])))
+
+    def logs(self, name: str) -> str:
+        words = ["docker", "logs", self.containers[name]]
+        return subprocess.run(words, capture_output=True, text=True, check=True, errors="replace").stdout + (
+            subprocess.run(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, check=True).stderr
+        )
+
+    def exec(self, name: str, *command: str) -> str:
+        return docker("exec", self.containers[name], *command)
+
+    def kill(self, name: str) -> None:
+        docker("kill", self.containers[name])
+
+    def remove(self) -> None:
+        docker("rm", "--force", "--volumes", *self.containers.values(), self._sandbox)
+
+
+class ClusterBattle:
+    """All pods of a namespace; what tests.support.battle.Battle is to `make demo`."""
+
+    def __init__(self, manifests: Manifests, folder: Path) -> None:
+        self.manifests = manifests
+        node_ports = {
+            port["targetPort"]: port["nodePort"]
+            for service in manifests.of("Service")
+            for port in service["spec"].get("ports", [])
+            if "nodePort" in port
+        }
+        self.web = f"http://127.0.0.1:{node_ports['web']}"
+        self.rosbridge_port, self.arena_port = node_ports["rosbridge"], node_ports["view"]
+        self.pods: dict[str, Pod] = {}
+        self._folder, self._node_ports = folder, node_ports
+
+    def __enter__(self) -> Self:
+        try:
+            for workload in self.manifests.workloads:
+                name = workload["metadata"]["name"]
+                for number in range(workload["spec"]["replicas"]):
+                    own = f"{name}-{number}" if workload["kind"] == "StatefulSet" else name
+                    ports = {
+                        port["name"]: port["containerPort"]
+                        for container in workload["spec"]["template"]["spec"]["containers"]
+                        for port in container.get("ports", [])
+                    }
+                    publish = {self._node_ports[each]: ports[each] for each in ports if each in self._node_ports}
+                    (self._folder / own).mkdir()
+                    self.pods[own] = Pod(workload, own, self._folder / own, publish)
+            for pod in self.pods.values():
+                pod.start(self.manifests, self.addresses)
+        except AssertionError:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        for pod in self.pods.values():
+            pod.remove()
+
+    @property
+    def addresses(self) -> dict[str, str]:
+        """The Services' addresses by name."""
+        selectors = {
+            item["metadata"]["name"]: item["spec"]["selector"]["app.kubernetes.io/name"]
+            for item in self.manifests.of("Service")
+            if item["spec"].get("clusterIP") != "None"
+        }
+        return {service: self.pods[target].address for service, target in selectors.items()}
+
+    def restart_what_ended(self) -> list[str]:
+        """As a kubelet does, but at once; the names of the containers."""
+        ended = [(pod, name) for pod in self.pods.values() for name in pod.containers if not pod.state(name)["Running"]]
+        for pod, name in ended:
+            pod.start_container(name, self.manifests, self.addresses)
+        return [f"{pod.name}/{name}" for pod, name in ended]
+
+    def wait_until_ready(self, seconds: float = 60.0) -> None:
+        for pod in self.pods.values():
+            pod.wait_until_ready(seconds)
+
+
+def free_node_ports() -> dict[str, int]:
+    return {name: free_port() for name in ("web", "rosbridge", "view")}

@@ -1,0 +1,55 @@
+"""What each program reads from its environment and which ports it opens, asked of its own settings."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+from robot.settings import Settings as RobotSettings
+from server.rosbridge.settings import Settings as RosbridgeSettings
+from server.settings import Settings as WebSettings
+from sim.arena.settings import Settings as ArenaSettings
+from sim.bot_settings import Settings as BotSettings
+
+
+class Recorder(Mapping[str, str]):
+    """An environment that remembers which variables were asked for."""
+
+    def __init__(self, variables: Mapping[str, str]) -> None:
+        self._variables = variables
+        self.read: set[str] = set()
+
+    def __getitem__(self, name: str) -> str:
+        self.read.add(name)
+        return self._variables[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._variables)
+
+    def __len__(self) -> int:
+        return len(self._variables)
+
+
+ROS = {"ROS_MASTER_URI", "ROS_IP"}  # rospy and rosmaster read these themselves
+Reader = Callable[[Mapping[str, str]], Any]
+READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
+    "server.main": (WebSettings.from_env, lambda found: {found.web_port}, ROS),
+    "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.port}, ROS),
+    "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
+    "sim.arena": (ArenaSettings.from_env, lambda found: {found.view_port, found.link_port}, set()),
+    "sim.bot": (BotSettings.read, lambda _: set(), set()),
+}
+
+
+class ProgramSettings:
+    """The settings of the program that `command` starts in `environment`. ValueError: it would refuse them."""
+
+    def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
+        if command[:2] != ["python3", "-m"]:  # rosmaster and avr_robot have options instead
+            self.settings = None
+            self.variables = ROS if command[0] == "rosmaster" else set()
+            self.ports = {int(command[command.index("-p") + 1])} if command[0] == "rosmaster" else set()
+            return
+        reader, ports, others = READERS[command[2]]
+        recorder = Recorder(environment)
+        self.settings = reader(recorder)
+        self.variables = recorder.read | others
+        self.ports = ports(self.settings)
