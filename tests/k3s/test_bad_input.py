@@ -1,0 +1,157 @@
+"""What an operator is told when something is wrong, and that k3s/README.md has the words that are really said."""
+
+import os
+import socket
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.k3s.conftest import Customize
+from tests.support.imagefile import version
+from tests.support.manifests import Kubelet, Object, overlay
+from tests.support.ports import free_port
+from tests.support.programs import ROOT, Program
+
+TEXT = (ROOT / "k3s/README.md").read_text()
+
+
+def quoted(words: str) -> bool:
+    """Whether a row of the table quotes these words."""
+    return any(words in line for line in TEXT.splitlines() if line.startswith("| "))
+
+
+def run(container: Object, environment: Mapping[str, str], command: list[str]) -> str:
+    """What the container's program says before it refuses."""
+    program = {"python3": sys.executable, "avr_robot": str(ROOT / "build/sim/avr_robot")}[command[0]]
+    words = [word.replace("/opt/laserbot/firmware", str(ROOT / "build/firmware")) for word in command[1:]]
+    path = {"PATH": os.environ["PATH"], "PYTHONPATH": f"{ROOT}:{ROOT / 'build/python'}"}
+    result = subprocess.run(
+        [program, *words],
+        cwd=ROOT,
+        env={**path, **environment},
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+    assert result.returncode == 2, result.stderr
+    return result.stderr
+
+
+def container_of(workload: Object, name: str) -> tuple[Object, Object]:
+    pod: Object = workload["spec"]["template"]["spec"]
+    (container,) = [each for each in pod["containers"] if each["name"] == name]
+    return pod, container
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("LASERBOT_HIT_DAMAGE=lots", "LASERBOT_HIT_DAMAGE=lots: must be a whole number from 1 to 100"),
+        ("LASERBOT_ROSTER=raspberrypi1", "'raspberrypi1' is not name=ID with an ID from 0 to 127"),
+        ("LASERBOT_LOG_LEVEL=loud", "LASERBOT_LOG_LEVEL=loud: must be one of debug, info, warning, error"),
+    ],
+)
+def test_a_wrong_value_in_the_kustomization_is_named_by_the_program(
+    customize: Customize, setting: str, words: str
+) -> None:
+    generator = {"name": "settings", "namespace": "laserbot", "behavior": "merge", "literals": [setting]}
+    manifests = customize("lan", configMapGenerator=[generator]).within("laserbot")
+    pod, web = container_of(manifests.one("Deployment", "master"), "web")
+    kubelet = Kubelet(manifests, pod, {"status.podIP": "127.0.0.1"}, {})
+    assert words in run(web, kubelet.environment(web), kubelet.command(web))
+    assert quoted(words)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("robot", "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB): must be a number"),
+        ("arduino", "--arena $(ARENA_SERVICE_HOST):$(ARENA_SERVICE_PORT_LINK): the port must be a number"),
+    ],
+)
+def test_a_pod_without_the_services_says_which_address_is_missing(name: str, words: str) -> None:
+    manifests = overlay("sim").within("laserbot")
+    pod, container = container_of(manifests.one("StatefulSet", "robot"), name)
+    kubelet = Kubelet(manifests, pod, {"status.podIP": "127.0.0.1", "metadata.name": "robot-0"}, {})
+    assert words in run(container, kubelet.environment(container), kubelet.command(container))
+    assert quoted(words)
+
+
+def test_a_robot_without_arduino_says_where_it_looked() -> None:
+    manifests = overlay("lan").within("laserbot")
+    pod, container = container_of(manifests.one("DaemonSet", "robot"), "robot")
+    fields = {"spec.nodeName": "raspberrypi1", "status.hostIP": "127.0.0.1"}
+    environment = Kubelet(manifests, pod, fields, {"master": "127.0.0.1"}).environment(container)
+    program = Program.python("robot.id_service_client", env=environment)
+    try:
+        program.wait_for("No attached ARDUINO found: looked for /host/dev/laserbot")
+    finally:
+        program.stop()
+    assert quoted("No attached ARDUINO found: looked for /host/dev/laserbot")
+
+
+def test_the_health_check_of_a_robot_says_what_is_missing() -> None:
+    words = "health: no serial node: no Arduino, or no ID from the server"
+    # as the image's check does, but asked about this process, which has no serial node
+    code = "from images import health; health.CHECKS = {'-c': health.robot}; health.processes = lambda: []"
+    script = f"{code}; from pathlib import Path; Path.read_text = lambda self: '-c'; raise SystemExit(health.main())"
+    result = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert result.stdout.strip() == words
+    assert quoted(words)
+
+
+def test_a_port_that_is_taken_is_named() -> None:
+    with socket.socket() as taken:
+        taken.bind(("0.0.0.0", 0))
+        taken.listen()
+        number = taken.getsockname()[1]
+        environment = {"LASERBOT_WEB_PORT": str(number), "ROS_MASTER_URI": f"http://localhost:{free_port()}"}
+        program = Program.python("server.main", env=environment)
+        program.wait_for(f"cannot listen at 0.0.0.0 port {number}")
+        assert program.process.wait(10) == 1
+    assert quoted("cannot listen at 0.0.0.0 port 5000")
+
+
+def test_a_component_without_its_ports_is_refused(tmp_path: Path) -> None:
+    up = os.path.relpath(ROOT / "k3s", tmp_path)
+    content = {"resources": [f"{up}/overlays/lan"], "components": [f"{up}/components/node-ports"]}
+    (tmp_path / "kustomization.yaml").write_text(yaml.safe_dump(content))
+    words = [ROOT / "ci/kubectl", "kustomize", tmp_path]
+    result = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "node-ports" in result.stderr
+
+
+def test_the_image_in_the_table_is_of_this_version() -> None:
+    assert quoted(f'Failed to pull image "rosberry:{version()}"')
+
+
+def test_every_label_and_name_in_the_readme_is_one_of_the_manifests() -> None:
+    assert "laserbot/role=master" in TEXT
+    assert "laserbot/role=robot" in TEXT
+    names = {(item["kind"].lower(), item["metadata"]["name"]) for item in overlay("sim").objects}
+    for kind, name in [
+        ("deployment", "master"),
+        ("statefulset", "robot"),
+        ("deployment", "bot"),
+        ("service", "players"),
+    ]:
+        assert f"{kind}/{name}" in TEXT
+        assert (kind, name) in names
+
+
+def test_every_address_in_the_readme_is_one_of_the_manifests() -> None:
+    for name in ("sim", "arenas"):
+        for service in overlay(name).of("Service"):
+            for port in service["spec"].get("ports", []):
+                if port.get("targetPort") in {"web", "view"} and "nodePort" in port:
+                    assert str(port["nodePort"]) in TEXT
+    ports = {port["targetPort"]: port for port in overlay("sim").one("Service", "players")["spec"]["ports"]}
+    forwards = [f"{ports[name]['nodePort']}:{ports[name]['port']}" for name in ("web", "rosbridge")]
+    assert f"port-forward service/players {' '.join(forwards)}" in TEXT
