@@ -16,6 +16,7 @@ from tests.support.manifests import Kubelet, Object, overlay
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
+PYTHONPATH = f"{ROOT}:{ROOT / 'build/python'}"
 TEXT = (ROOT / "k3s/README.md").read_text()
 
 
@@ -24,7 +25,7 @@ def quoted(words: str) -> bool:
     return any(words in line for line in TEXT.splitlines() if line.startswith("| "))
 
 
-def run(container: Object, environment: Mapping[str, str], command: list[str]) -> str:
+def run(environment: Mapping[str, str], command: list[str]) -> str:
     """What the container's program says before it refuses."""
     program = {"python3": sys.executable, "avr_robot": str(ROOT / "build/sim/avr_robot")}[command[0]]
     words = [word.replace("/opt/laserbot/firmware", str(ROOT / "build/firmware")) for word in command[1:]]
@@ -63,7 +64,7 @@ def test_a_wrong_value_in_the_kustomization_is_named_by_the_program(
     manifests = customize("lan", configMapGenerator=[generator]).within("laserbot")
     pod, web = container_of(manifests.one("Deployment", "master"), "web")
     kubelet = Kubelet(manifests, pod, {"status.podIP": "127.0.0.1"}, {})
-    assert words in run(web, kubelet.environment(web), kubelet.command(web))
+    assert words in run(kubelet.environment(web), kubelet.command(web))
     assert quoted(words)
 
 
@@ -78,7 +79,7 @@ def test_a_pod_without_the_services_says_which_address_is_missing(name: str, wor
     manifests = overlay("sim").within("laserbot")
     pod, container = container_of(manifests.one("StatefulSet", "robot"), name)
     kubelet = Kubelet(manifests, pod, {"status.podIP": "127.0.0.1", "metadata.name": "robot-0"}, {})
-    assert words in run(container, kubelet.environment(container), kubelet.command(container))
+    assert words in run(kubelet.environment(container), kubelet.command(container))
     assert quoted(words)
 
 
@@ -87,23 +88,12 @@ def test_a_robot_without_arduino_says_where_it_looked() -> None:
     pod, container = container_of(manifests.one("DaemonSet", "robot"), "robot")
     fields = {"spec.nodeName": "raspberrypi1", "status.hostIP": "127.0.0.1"}
     environment = Kubelet(manifests, pod, fields, {"master": "127.0.0.1"}).environment(container)
-    program = Program.python("robot.id_service_client", env=environment)
+    program = Program.python("robot.id_service_client", env={**environment, "PYTHONPATH": PYTHONPATH})
     try:
         program.wait_for("No attached ARDUINO found: looked for /host/dev/laserbot")
     finally:
         program.stop()
     assert quoted("No attached ARDUINO found: looked for /host/dev/laserbot")
-
-
-def test_the_health_check_of_a_robot_says_what_is_missing() -> None:
-    words = "health: no serial node: no Arduino, or no ID from the server"
-    # as the image's check does, but asked about this process, which has no serial node
-    code = "from images import health; health.CHECKS = {'-c': health.robot}; health.processes = lambda: []"
-    script = f"{code}; from pathlib import Path; Path.read_text = lambda self: '-c'; raise SystemExit(health.main())"
-    result = subprocess.run([sys.executable, "-c", script], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert result.returncode == 1
-    assert result.stdout.strip() == words
-    assert quoted(words)
 
 
 def test_a_port_that_is_taken_is_named() -> None:
@@ -112,7 +102,7 @@ def test_a_port_that_is_taken_is_named() -> None:
         taken.listen()
         number = taken.getsockname()[1]
         environment = {"LASERBOT_WEB_PORT": str(number), "ROS_MASTER_URI": f"http://localhost:{free_port()}"}
-        program = Program.python("server.main", env=environment)
+        program = Program.python("server.main", env={**environment, "PYTHONPATH": PYTHONPATH})
         program.wait_for(f"cannot listen at 0.0.0.0 port {number}")
         assert program.process.wait(10) == 1
     assert quoted("cannot listen at 0.0.0.0 port 5000")

@@ -1,6 +1,8 @@
 """What `kubectl apply -k` sends is valid, complete, in an order that works, and of the images of this version."""
 
+import os
 import re
+from pathlib import Path
 
 import kubernetes_validate
 import pytest
@@ -139,3 +141,19 @@ def test_arenas_differ_in_nothing_but_namespace_and_ports() -> None:
 def test_the_number_of_robots_is_one_value(customize: Customize) -> None:
     changed = customize("sim", replicas=[{"name": "robot", "count": 4}])
     assert changed.one("StatefulSet", "robot")["spec"]["replicas"] == 4
+
+
+def test_the_readmes_example_changes_what_it_says(tmp_path: Path) -> None:
+    text = (ROOT / "k3s/README.md").read_text()
+    example = next(
+        content
+        for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
+        if (content := yaml.safe_load(block)).get("kind") == "Kustomization"
+    )
+    example["resources"] = [os.path.relpath(ROOT / "k3s/overlays/lan", tmp_path)]
+    (tmp_path / "kustomization.yaml").write_text(yaml.safe_dump(example))
+    changed = Manifests(tmp_path)
+    (settings,) = changed.of("ConfigMap")
+    assert settings["data"]["LASERBOT_BATTLE_LIMIT"] == "600"
+    assert "raspberrypi3=3" in settings["data"]["LASERBOT_ROSTER"]
+    assert all(container["image"].startswith("laser-bot-master.local:5443/") for _, container in changed.containers)
