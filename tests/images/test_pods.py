@@ -150,9 +150,11 @@ def robot_with_a_device(version: str, tmp_path: Path) -> Iterator[Pod]:
     pod.remove()
 
 
+needs_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can make a device")
 OPEN = "import os; os.close(os.open('/host/dev/laserbot', os.O_RDWR)); print('open')"
 
 
+@needs_root
 def test_a_real_robot_opens_its_device_without_being_root(robot_with_a_device: Pod) -> None:
     pod = robot_with_a_device
     assert pod.exec("robot", "python3", "-c", OPEN).strip() == "open"
@@ -162,6 +164,7 @@ def test_a_real_robot_opens_its_device_without_being_root(robot_with_a_device: P
     assert pod.exec("robot", "sh", "-c", "find / -xdev -perm /6000 -type f 2>/dev/null; true") == ""
 
 
+@needs_root
 def test_without_privilege_the_device_is_refused(robot_with_a_device: Pod) -> None:
     """The reason why overlays/lan/robots.yaml asks for it."""
     pod = robot_with_a_device

@@ -149,7 +149,7 @@ def test_its_probes_ask_the_service_itself(started: Started) -> None:
         else:
             port = probe["httpGet"]["port"]
             assert port in {item["name"] for item in started.container["ports"]}
-        assert probe["timeoutSeconds"] >= 5
+        assert probe["timeoutSeconds"] >= 10
         assert probe["timeoutSeconds"] <= probe["periodSeconds"] or probe is started.container["startupProbe"]
 
 
@@ -161,6 +161,11 @@ def test_each_service_of_the_master_has_all_three_probes(name: str) -> None:
         assert [container["name"] for container in containers] == ["ros-master", "rosbridge", "web"]
         for container in containers:
             assert {"startupProbe", "readinessProbe", "livenessProbe"} <= set(container)
+
+
+@every_container
+def test_the_last_words_of_a_program_are_in_its_pods_description(started: Started) -> None:
+    assert started.container["terminationMessagePolicy"] == "FallbackToLogsOnError"
 
 
 @every_container
