@@ -16,7 +16,8 @@ from tests.support.manifests import Manifests, overlay
 from tests.support.player import Eyes, Player, hunt
 from tests.support.pods import ClusterBattle, Pod, free_node_ports
 from tests.support.polling import until
-from tests.support.programs import ROOT
+from tests.support.ports import free_port
+from tests.support.programs import ROOT, Program
 
 STOPPED, PLAYING = 0, 2
 
@@ -173,6 +174,44 @@ def test_without_privilege_the_device_is_refused(robot_with_a_device: Pod) -> No
     pod.start_container("robot", overlay("lan").within("laserbot"), {"master": pod.address})
     with pytest.raises(AssertionError, match="Operation not permitted"):
         pod.exec("robot", "python3", "-c", OPEN)
+
+
+@pytest.fixture
+def arduino(tmp_path: Path) -> Iterator[str]:
+    """The path of a serial line with the firmware behind it, of the group that a Raspberry Pi's has."""
+    line = tmp_path / "ttyACM0"
+    words = ["--firmware", ROOT / "build/firmware/laserbot.elf", "--name", "raspberrypi1", "--serial", line]
+    program = Program([ROOT / "build/sim/avr_robot", *words])
+    program.wait_for("UART at")
+    device = os.path.realpath(line)
+    os.chown(device, 0, 20)
+    Path(device).chmod(0o660)
+    yield device
+    program.stop()
+
+
+@needs_root
+def test_a_real_robot_gets_the_id_of_its_node(version: str, arduino: str, tmp_path: Path) -> None:
+    """The pods of the lan overlay, but that each has a network of its own instead of a host's."""
+    manifests = overlay("lan").within("laserbot")
+    port = free_port()
+    web = f"http://127.0.0.1:{port}"
+    master = Pod(manifests.one("Deployment", "master"), "laser-bot-master", tmp_path / "master", {port: 5000})
+    # the path must be there to be covered by a device
+    (tmp_path / "robot/dev").mkdir(parents=True)
+    (tmp_path / "robot/dev/ttyACM0").touch()
+    devices = {"/host/dev/ttyACM0": arduino}
+    robot = Pod(manifests.one("DaemonSet", "robot"), "raspberrypi2", tmp_path / "robot", devices=devices)
+    try:
+        for pod in (robot, master):
+            pod.start(manifests, {"master": master.address})
+        master.wait_until_ready()
+        robot.wait_until_ready()
+        reply = requests.post(f"{web}/signUpUser", data={"data": "Ann"}, timeout=5)
+        assert json.loads(reply.text)["robot"] == 2
+    finally:
+        robot.remove()
+        master.remove()
 
 
 def test_a_robot_without_arduino_says_so_and_is_not_ready(version: str, tmp_path: Path) -> None:

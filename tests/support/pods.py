@@ -20,12 +20,24 @@ from tests.support.ports import free_port
 
 
 class Pod:
-    """One pod of a workload; `publish` are pod ports by the ports of this machine's localhost."""
+    """One pod of a workload.
 
-    def __init__(self, workload: Object, name: str, folder: Path, publish: Mapping[int, int] | None = None) -> None:
+    `folder` has what the pod finds of its host. `publish` are pod ports by the ports of this machine's localhost,
+    `devices` are this machine's by the paths at which the containers see them.
+    """
+
+    def __init__(
+        self,
+        workload: Object,
+        name: str,
+        folder: Path,
+        publish: Mapping[int, int] | None = None,
+        devices: Mapping[str, str] | None = None,
+    ) -> None:
         self.name = name
         self.spec: Object = workload["spec"]["template"]["spec"]
-        self._folder = folder
+        folder.mkdir(exist_ok=True)
+        self._folder, self._devices = folder, devices or {}
         resolver = folder / "resolv.conf"
         resolver.write_text("nameserver 192.0.2.1\n")  # of the addresses for documentation: nobody answers
         self._sandbox = docker(
@@ -90,7 +102,7 @@ class Pod:
             else:
                 read_only = ":ro" if mount.get("readOnly") else ""
                 flags.append(f"--volume={self._host_path(volume)}:{mount['mountPath']}{read_only}")
-        return flags
+        return flags + [f"--volume={device}:{path}" for path, device in self._devices.items()]
 
     def _host_path(self, volume: Object) -> Path:
         """Instead of the host's own folder, one of this test's."""
@@ -169,7 +181,6 @@ class ClusterBattle:
                         for port in container.get("ports", [])
                     }
                     publish = {self._node_ports[each]: ports[each] for each in ports if each in self._node_ports}
-                    (self._folder / own).mkdir()
                     self.pods[own] = Pod(workload, own, self._folder / own, publish)
             for pod in self.pods.values():
                 pod.start(self.manifests, self.addresses)
