@@ -154,7 +154,7 @@ class Pod:
 
 
 class ClusterBattle:
-    """All pods of a namespace; what tests.support.battle.Battle is to `make demo`."""
+    """All pods of a namespace, a place to play at (tests.support.player)."""
 
     def __init__(self, manifests: Manifests, folder: Path) -> None:
         self.manifests = manifests
@@ -166,6 +166,8 @@ class ClusterBattle:
         }
         self.web = f"http://127.0.0.1:{node_ports['web']}"
         self.rosbridge_port, self.arena_port = node_ports["rosbridge"], node_ports["view"]
+        self.bridge = f"ws://127.0.0.1:{self.rosbridge_port}"
+        self.view = f"ws://127.0.0.1:{self.arena_port}/view"
         self.pods: dict[str, Pod] = {}
         self._folder, self._node_ports = folder, node_ports
 
