@@ -17,10 +17,8 @@ static Uart uart;
 static Emitter emitter;
 static HitDetector hits;
 static rosserial::Client client(
-    uart,
-    rosserial::Topic{125, "response", "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e"},
-    rosserial::Topic{100, "command", "laser_bot_battle/Robot_msg", "aa81278360e1bdd1ffce0a4efe0ae199"},
-    on_command);
+    uart, rosserial::Topic{125, "response", "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e"},
+    rosserial::Topic{100, "command", "laser_bot_battle/Robot_msg", "aa81278360e1bdd1ffce0a4efe0ae199"}, on_command);
 
 static void on_command(const uint8_t *payload, uint16_t length) {
   if (length != ROBOT_MSG_LENGTH) return;

@@ -80,6 +80,7 @@ struct Row {
 
 TEST(the_movement_table) {
   const Row table[] = {
+      // clang-format off: a line for each kind of movement
       {0, 0, 0, 0, false, false},         {0, 2, 0, 0, false, false},        {0, -128, 0, 0, false, false},
       {0, 1, -320, -320, false, false},   {0, -1, 320, 320, false, false},
       {1, 0, -320, 320, false, false},    {1, 1, -320, 320, false, true},    {1, -1, -320, 320, true, false},
@@ -87,6 +88,7 @@ TEST(the_movement_table) {
       {1, 2, -320, 320, false, false},    {-1, 127, 320, -320, false, false},
       {2, 0, 0, 0, false, false},         {2, 1, 0, 0, false, false},        {-2, -1, 0, 0, false, false},
       {127, 1, 0, 0, false, false},       {-128, 0, 0, 0, false, false},
+      // clang-format on
   };
   for (const Row &row : table) {
     const Movement movement = movement_of(row.linear_x, row.angular_z);

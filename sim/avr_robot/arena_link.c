@@ -85,7 +85,8 @@ static bool tell_wheels(struct connection *connection, const struct robot_state 
 
 	connection->told.left = state->left;
 	connection->told.right = state->right;
-	return tell(connection, line, snprintf(line, sizeof line, "wheels %" PRId64 " %" PRId64 "\n", state->left, state->right));
+	return tell(connection, line,
+	            snprintf(line, sizeof line, "wheels %" PRId64 " %" PRId64 "\n", state->left, state->right));
 }
 
 static bool tell_beam(struct connection *connection, const struct robot_state *state)

@@ -33,9 +33,7 @@ static void update_wheel(struct board *board, struct wheel *wheel, uint8_t patte
 
 	switch (stepper_update(&wheel->stepper, pattern)) {
 	case STEPPER_STILL: break;
-	case STEPPER_STEP:
-		trace_event(board->trace, now, "coil %s %" PRId64, wheel->name, wheel->stepper.position);
-		break;
+	case STEPPER_STEP: trace_event(board->trace, now, "coil %s %" PRId64, wheel->name, wheel->stepper.position); break;
 	case STEPPER_SLIP: trace_event(board->trace, now, "slip %s", wheel->name); break;
 	case STEPPER_ENERGISED: trace_event(board->trace, now, "coils %s on", wheel->name); break;
 	case STEPPER_RELEASED: trace_event(board->trace, now, "coils %s off", wheel->name); break;

@@ -101,9 +101,7 @@ struct options options_parse(int argc, char **argv)
 			options.arena_address = parse_address("--arena", optarg, NULL);
 			break;
 		case 'T': options.trace = true; break;
-		case 'h':
-			fputs(usage, stdout);
-			exit(0);
+		case 'h': fputs(usage, stdout); exit(0);
 		case ':': refuse("option %s needs a value", argv[optind - 1]);
 		default: refuse("unknown option %s", argv[optind - 1]);
 		}

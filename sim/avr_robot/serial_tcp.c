@@ -117,8 +117,8 @@ struct serial_line *serial_tcp_open(const struct address *listen_at)
 	for (const struct addrinfo *next = found; next && tcp->listener < 0; next = next->ai_next)
 		tcp->listener = listen_on(next);
 	if (tcp->listener < 0) {
-		fprintf(stderr, "avr_robot: --tcp %s:%s: %s; choose another address or port\n", listen_at->host, listen_at->port,
-		        fault ? gai_strerror(fault) : strerror(errno));
+		fprintf(stderr, "avr_robot: --tcp %s:%s: %s; choose another address or port\n", listen_at->host,
+		        listen_at->port, fault ? gai_strerror(fault) : strerror(errno));
 		tcp_close(&tcp->line);
 		tcp = NULL;
 	} else {

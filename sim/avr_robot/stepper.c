@@ -36,13 +36,8 @@ enum stepper_event stepper_update(struct stepper *stepper, uint8_t pattern)
 	if (from == NO_PHASE || from == to)
 		return was_released ? STEPPER_ENERGISED : STEPPER_SLIP;
 	switch ((to - from + PHASES) % PHASES) {
-	case 1:
-		stepper->position++;
-		return STEPPER_STEP;
-	case PHASES - 1:
-		stepper->position--;
-		return STEPPER_STEP;
-	default:
-		return STEPPER_SLIP;
+	case 1: stepper->position++; return STEPPER_STEP;
+	case PHASES - 1: stepper->position--; return STEPPER_STEP;
+	default: return STEPPER_SLIP;
 	}
 }

@@ -49,8 +49,7 @@ static void start_byte(struct uart *uart)
 
 	uart->queue_start = (uart->queue_start + 1) % UART_QUEUE_BYTES;
 	uart->queue_length--;
-	if (!avr_regbit_get(uart->avr, uart->port->rxen) ||
-	    uart_fifo_get_read_size(&uart->port->input) >= RECEIVER_BYTES)
+	if (!avr_regbit_get(uart->avr, uart->port->rxen) || uart_fifo_get_read_size(&uart->port->input) >= RECEIVER_BYTES)
 		drop(uart);
 	else
 		avr_raise_irq(uart->input, byte);
