@@ -1,8 +1,7 @@
-"""docs/protocol-serial.md against the real firmware in the simulator. The Pi's side: tests/unit/robot/test_serial_page.py."""
+"""docs/protocol-serial.md against the firmware in the simulator (the Pi's side: unit/robot/test_serial_page.py)."""
 
 import contextlib
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
