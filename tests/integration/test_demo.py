@@ -70,6 +70,15 @@ def test_make_demo_starts_and_ctrl_c_ends_it() -> None:
     assert [pid for pid in below if alive(pid)] == []
 
 
+def test_another_computer_reaches_the_game() -> None:
+    """127.0.0.2 is an address of this machine that is not the one which the parts use among themselves."""
+    with Battle(robots=1, LASERBOT_BIND="0.0.0.0") as battle:
+        for port in (battle.web_port, battle.arena_port):
+            assert requests.get(f"http://127.0.0.2:{port}", timeout=5).status_code == 200
+        with socket.create_connection(("127.0.0.2", battle.rosbridge_port), timeout=5):
+            pass
+
+
 def test_a_killed_demo_takes_its_processes_with_it() -> None:
     battle = Battle(robots=1, bots=0)
     try:

@@ -1,0 +1,125 @@
+"""The documents are true: their commands are run somewhere, their links lead somewhere."""
+
+import os
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from tests.support.documents import page, table
+from tests.support.programs import ROOT
+
+README = (ROOT / "README.md").read_text()
+DOCUMENTS = [path for path in [*ROOT.glob("*.md"), *ROOT.glob("*/*.md")] if not path.is_relative_to(ROOT / "build")]
+COMMAND = re.compile(r"(?:[A-Z_]+=\S+ )?(?:make|docker|ci/\w+|kubectl|ansible-playbook)\b.*")
+
+# Who runs each command of the README: a test, or a workflow or script with the words.
+RUN_BY = {
+    "make demo": "tests/integration/test_demo.py::test_make_demo_starts_and_ctrl_c_ends_it",
+    "make demo BOTS=0": "tests/integration/test_battle.py::test_a_command_turns_the_wheels_and_silence_stops_them",
+    "make demo ROBOTS=4 BOTS=2": "tests/integration/test_demo.py::test_make_demo_starts_and_ctrl_c_ends_it",
+    "LASERBOT_BIND=0.0.0.0 make demo": "tests/integration/test_demo.py::test_another_computer_reaches_the_game",
+    "make images": "tests/images/test_contents.py::test_each_image_has_a_list_of_its_contents",
+    "make images PUSH=registry:port": "tests/images/test_delivery.py"
+    "::test_a_registry_gets_every_platform_under_one_name",
+    "make images ARCHIVE=laserbot.tar": "tests/images/test_delivery.py::test_an_archive_carries_every_platform",
+    "docker load -i laserbot.tar": "tests/images/test_delivery.py::test_an_archive_carries_every_platform",
+    "make images PLATFORM=linux/arm/v7 ARCHIVE=robot.tar": "tests/images/test_delivery.py"
+    "::test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind",
+    "docker compose --profile demo up": "tests/images/test_compose.py::test_a_battle_is_played_to_its_end",
+    "make test": ".ci/run::exec make test",
+    "make lint": ".github/workflows/ci.yml::run: make lint",
+    "make bench": ".github/workflows/ci.yml::run: make bench",
+    "make": "tests/unit/test_documents.py::test_make_alone_lists_the_targets",
+}
+
+
+def commands(text: str) -> list[tuple[str, str]]:
+    """The commands of a document, each with the line that it stands in: of `sh` blocks, and between backquotes."""
+    found = []
+    for block in re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+        found += [(line.split(" #")[0].strip(), line) for line in block.splitlines()]
+    prose = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+    for paragraph in re.split(r"\n(?=[-|\n])", prose):
+        spans = re.findall(r"`([^`]+)`", " ".join(paragraph.split()))
+        found += [(span, paragraph) for span in spans if COMMAND.fullmatch(span)]
+    return found
+
+
+def needs_hardware(line: str) -> bool:
+    return "(needs hardware)" in line
+
+
+def test_every_command_of_the_readme_is_run_by_a_test_or_marked_as_needing_hardware() -> None:
+    told = {command for command, line in commands(README) if not needs_hardware(line)}
+    assert told == set(RUN_BY)
+    assert [command for command, line in commands(README) if needs_hardware(line)]
+
+
+@pytest.mark.parametrize("command", RUN_BY)
+def test_what_runs_a_command_is_there(command: str) -> None:
+    path, where = RUN_BY[command].split("::")
+    text = (ROOT / path).read_text()
+    assert f"def {where}(" in text if path.endswith(".py") else where in text
+
+
+@pytest.mark.parametrize("command", [command for command in RUN_BY if re.search(r"\bmake\b", command)])
+def test_make_understands_the_command(command: str) -> None:
+    result = make(*command.split("make", 1)[1].split(), "--dry-run")
+    assert result.returncode == 0, result.stderr
+
+
+def test_make_alone_lists_the_targets() -> None:
+    result = make()
+    assert result.returncode == 0
+    listed = set(re.findall(r"^make ([\w-]+)", result.stdout, re.MULTILINE))
+    assert {"demo", "test", "lint", "bench", "images", "clean"} <= listed
+    for target in listed:
+        assert make(target, "--dry-run").returncode == 0, target
+
+
+def make(*words: str) -> subprocess.CompletedProcess[str]:
+    """`make` as a user calls it, though a make may be running these tests."""
+    environment = {name: value for name, value in os.environ.items() if not name.startswith(("MAKE", "MFLAGS"))}
+    return subprocess.run(["make", *words], cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_links_lead_to_files_and_headings(document: Path) -> None:
+    for target in re.findall(r"\]\(([^)]+)\)", document.read_text()):
+        if "://" in target:
+            continue
+        name, _, anchor = target.partition("#")
+        path = document.parent / name if name else document
+        assert path.exists(), target
+        if anchor:
+            headings = re.findall(r"^#+ (.*)$", path.read_text(), re.MULTILINE)
+            assert anchor in {heading.lower().replace(" ", "-") for heading in headings}, target
+
+
+@pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
+def test_files_that_are_named_exist(document: Path) -> None:
+    """Between backquotes, from the repository's root or from the document's folder on."""
+    tops = {path.name for folder in (ROOT, document.parent) for path in folder.iterdir()} - {"build"}
+    for path in re.findall(r"`([\w.-]+(?:/[\w.-]+)*/?)`", document.read_text()):
+        if path.split("/")[0] in tops and not re.match("laser_bot_battle/[A-Z]", path):  # the name of a type
+            assert (ROOT / path).exists() or (document.parent / path).exists(), path
+
+
+MAP = table(page("manual-map.md"), "From the tech manual to the files")
+
+
+@pytest.mark.parametrize("row", MAP, ids=lambda row: row["section"])
+def test_the_files_of_a_section_of_the_manual_exist(row: dict[str, str]) -> None:
+    for path in row["here"].split(", "):
+        assert (ROOT / path).exists(), path
+
+
+def test_the_map_has_the_manuals_sections_without_a_gap() -> None:
+    listed = [tuple(map(int, row["section"].split("."))) for row in MAP]
+    assert listed == sorted(set(listed))
+    sections = {section[:depth] for section in listed for depth in range(1, len(section) + 1)}
+    for section in sections:
+        assert section[-1] == 1 or (*section[:-1], section[-1] - 1) in sections, section
+    assert max(sections)[0] == 6
