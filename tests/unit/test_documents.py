@@ -28,6 +28,9 @@ RUN_BY = {
     "make images PLATFORM=linux/arm/v7 ARCHIVE=robot.tar": "tests/images/test_delivery.py"
     "::test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind",
     "docker compose --profile demo up": "tests/images/test_compose.py::test_a_battle_is_played_to_its_end",
+    "ENGINE_PORTS=5000,8080,9090 ci/engine docker compose --profile demo up": "tests/integration/test_engine.py"
+    "::test_chosen_ports_of_a_private_engine_are_reached_through_the_systems",
+    "make fleet": "ci/test-fleet::ci/fleet up",
     "make test": ".ci/run::exec make test",
     "make lint": ".github/workflows/ci.yml::run: make lint",
     "make bench": ".github/workflows/ci.yml::run: make bench",
@@ -102,8 +105,10 @@ def test_links_lead_to_files_and_headings(document: Path) -> None:
 def test_files_that_are_named_exist(document: Path) -> None:
     """Between backquotes, from the repository's root or from the document's folder on."""
     tops = {path.name for folder in (ROOT, document.parent) for path in folder.iterdir()} - {"build"}
+    others = re.compile("laser_bot_battle/[A-Z]|inventory/mine")  # names of types, and what the operator makes
+    tops = {path.name for folder in (ROOT, document.parent) for path in folder.iterdir()} - {"build"}
     for path in re.findall(r"`([\w.-]+(?:/[\w.-]+)*/?)`", document.read_text()):
-        if path.split("/")[0] in tops and not re.match("laser_bot_battle/[A-Z]", path):  # the name of a type
+        if path.split("/")[0] in tops and not others.match(path):
             assert (ROOT / path).exists() or (document.parent / path).exists(), path
 
 
