@@ -90,7 +90,7 @@ def make(*words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_links_lead_to_files_and_headings(document: Path) -> None:
-    for target in re.findall(r"\]\(([^)]+)\)", document.read_text()):
+    for target in re.findall(r"""(?:\]\(|src=")([^)"]+)""", document.read_text()):
         if "://" in target:
             continue
         name, _, anchor = target.partition("#")
