@@ -30,6 +30,10 @@ RUN_BY = {
     "docker compose --profile demo up": "tests/images/test_compose.py::test_a_battle_is_played_to_its_end",
     "ENGINE_PORTS=5000,8080,9090 ci/engine docker compose --profile demo up": "tests/integration/test_engine.py"
     "::test_chosen_ports_of_a_private_engine_are_reached_through_the_systems",
+    "docker compose --profile master up -d": "tests/images/test_compose_lan.py"
+    "::test_a_robot_on_a_serial_device_joins_the_master",
+    "docker compose --profile robot up -d": "tests/images/test_compose_lan.py"
+    "::test_a_robot_on_a_serial_device_joins_the_master",
     "make fleet": "ci/test-fleet::ci/fleet up",
     "make test": ".ci/run::exec make test",
     "make lint": ".github/workflows/ci.yml::run: make lint",
@@ -38,26 +42,17 @@ RUN_BY = {
 }
 
 
-def commands(text: str) -> list[tuple[str, str]]:
-    """The commands of a document, each with the line that it stands in: of `sh` blocks, and between backquotes."""
-    found = []
-    for block in re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
-        found += [(line.split(" #")[0].strip(), line) for line in block.splitlines()]
+def commands(text: str) -> set[str]:
+    """The commands of a document: of its `sh` blocks, and between backquotes."""
+    blocks = re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    lines = {line.split(" #")[0].strip() for block in blocks for line in block.splitlines()}
     prose = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
-    for paragraph in re.split(r"\n(?=[-|\n])", prose):
-        spans = re.findall(r"`([^`]+)`", " ".join(paragraph.split()))
-        found += [(span, paragraph) for span in spans if COMMAND.fullmatch(span)]
-    return found
+    spans = {" ".join(span.split()) for span in re.findall(r"`([^`]+)`", prose)}
+    return lines | {span for span in spans if COMMAND.fullmatch(span)}
 
 
-def needs_hardware(line: str) -> bool:
-    return "(needs hardware)" in line
-
-
-def test_every_command_of_the_readme_is_run_by_a_test_or_marked_as_needing_hardware() -> None:
-    told = {command for command, line in commands(README) if not needs_hardware(line)}
-    assert told == set(RUN_BY)
-    assert [command for command, line in commands(README) if needs_hardware(line)]
+def test_every_command_of_the_readme_is_run_by_a_test_or_by_ci() -> None:
+    assert commands(README) == set(RUN_BY)
 
 
 @pytest.mark.parametrize("command", RUN_BY)
