@@ -74,10 +74,12 @@ def test_an_update_leaves_robots_in_a_battle_alone(
         run = rehearsal.playbook(
             "update",
             "--limit=robots",
-            f"--extra-vars=fleet_images_archive={better} batch=3 max_fail_percentage=100 fleet_battle_patience=4",
+            f"--extra-vars=fleet_images_archive={better} batch=3 max_fail=100 fleet_battle_patience=4",
             check=False,
         )
-        assert {name for name, row in run.recap.items() if row["failed"]} == {machine.name for machine in fighting}
+        assert {name for name, row in run.recap.items() if row["failed"]} == {machine.name for machine in fighting}, (
+            run.output
+        )
         assert images(fighting) == old[:2]
         assert images([third]) != old[2:]
         obeys(ann, eyes)
