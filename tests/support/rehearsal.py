@@ -41,7 +41,7 @@ class Rehearsal(Fleet):
             return int(requests.post(f"{self.web}/getAvailableRobots", timeout=2).json()["availableR"])
         return -1
 
-    def wait_until_complete(self, seconds: float = 120.0) -> None:
+    def wait_until_complete(self, seconds: float = 300.0) -> None:
         """Until every robot is registered and free."""
         until(lambda: self.available() == len(self.robots), seconds, "all robots free at the server")
 
