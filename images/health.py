@@ -37,6 +37,16 @@ def port(variable: str, default: int) -> int:
     return int(os.environ.get(variable) or default)
 
 
+def master() -> str:
+    return os.environ.get("LASERBOT_MASTER") or "laser_bot_master.local"
+
+
+def own_host() -> str:
+    """Where a service of this container listens."""
+    bind = os.environ.get("LASERBOT_BIND") or ""
+    return "localhost" if bind in {"", "0.0.0.0", "::"} else bind
+
+
 def http_status(host: str, number: int, method: str, path: str) -> int:
     connection = http.client.HTTPConnection(host, number, timeout=TIMEOUT)
     try:
@@ -58,12 +68,12 @@ def ros_master() -> None:
 
 def web_server() -> None:
     """The referee tells the state of the game through the web server."""
-    expect(http_status("localhost", port("LASERBOT_WEB_PORT", 5000), "POST", "/updateGameStatus"), 200)
+    expect(http_status(own_host(), port("LASERBOT_WEB_PORT", 5000), "POST", "/updateGameStatus"), 200)
 
 
 def rosbridge() -> None:
     """The WebSocket server answers plain HTTP with `Upgrade Required`."""
-    expect(http_status("localhost", port("LASERBOT_ROSBRIDGE_PORT", 9090), "GET", "/"), 426)
+    expect(http_status(own_host(), port("LASERBOT_ROSBRIDGE_PORT", 9090), "GET", "/"), 426)
 
 
 def robot() -> None:
@@ -71,14 +81,14 @@ def robot() -> None:
     nodes = {number: name for number in processes() if (name := serial_node_name(number))}
     if not nodes:
         raise UnhealthyError("no serial node: no Arduino, or no ID from the server")
-    master_uri = os.environ.get("ROS_MASTER_URI") or f"http://{os.environ.get('LASERBOT_MASTER', '')}:11311"
+    master_uri = os.environ.get("ROS_MASTER_URI") or f"http://{master()}:11311"
     for number, name in nodes.items():
         if ask_node(str(ask_node(master_uri, "lookupNode", name)), "getPid") != number:
             raise UnhealthyError(f"another node took the name {name}")
 
 
 def arena() -> None:
-    expect(http_status("localhost", port("LASERBOT_ARENA_PORT", 8080), "GET", "/"), 200)
+    expect(http_status(own_host(), port("LASERBOT_ARENA_PORT", 8080), "GET", "/"), 200)
 
 
 def avr_robot() -> None:
@@ -91,7 +101,7 @@ def avr_robot() -> None:
 
 def bot() -> None:
     """A bot is its page's user: the server must be there."""
-    expect(http_status(os.environ["LASERBOT_MASTER"], port("LASERBOT_WEB_PORT", 5000), "GET", "/"), 200)
+    expect(http_status(master(), port("LASERBOT_WEB_PORT", 5000), "GET", "/"), 200)
 
 
 CHECKS: dict[str, Callable[[], None]] = {

@@ -1,6 +1,7 @@
 """The demo of compose.yaml: a whole battle in containers, one robot on arm/v7, and each container killed in turn."""
 
 import contextlib
+import json
 import math
 from collections.abc import Callable, Iterator
 
@@ -9,6 +10,7 @@ import requests
 from websockets.exceptions import WebSocketException
 
 from tests.support.compose import ComposeBattle
+from tests.support.containers import docker
 from tests.support.player import Eyes, Player, hunt
 from tests.support.polling import until
 
@@ -98,6 +100,21 @@ def test_a_battle_is_played_to_its_end(battle: ComposeBattle, players: tuple[Pla
         until(over, 120, "Bob, on the emulated robot, shoots Ann to the end")
     result = [(entry["place"], entry["name"], entry["life"]) for entry in bob.look()["result"]]
     assert result == [(1, "Bob", 100), (2, "Ann", 0)]
+
+
+def test_no_container_has_more_rights_than_it_needs(battle: ComposeBattle) -> None:
+    assert len(battle.services) == 8
+    for service in battle.services:
+        host = json.loads(docker("inspect", "--format", "{{json .HostConfig}}", battle.container(service)))
+        assert host["ReadonlyRootfs"], service
+        assert host["CapDrop"] == ["ALL"], service
+        assert not host["CapAdd"], service
+        assert not host["Privileged"], service
+        assert host["SecurityOpt"] == ["no-new-privileges:true"], service
+        assert host["NetworkMode"] != "host", service
+        assert host["Memory"] == 256 * 2**20, service
+        assert host["PidsLimit"] == 200, service
+        assert host["RestartPolicy"]["Name"] == "unless-stopped", service
 
 
 @pytest.mark.parametrize("service", ["demo-rosbridge", "arena"])

@@ -3,6 +3,8 @@
 import json
 import os
 import subprocess
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,7 +13,7 @@ import requests
 from tests.images.conftest import build
 from tests.images.test_contents import PLATFORMS
 from tests.support.containers import docker
-from tests.support.programs import Program
+from tests.support.programs import ROOT, Program
 
 INDEX = "application/vnd.oci.image.index.v1+json, application/vnd.docker.distribution.manifest.list.v2+json"
 MANIFEST = "application/vnd.oci.image.manifest.v1+json, application/vnd.docker.distribution.manifest.v2+json"
@@ -46,6 +48,13 @@ def test_a_registry_gets_every_platform_under_one_name(version: str, registry: s
     assert not [name for name in local if registry in name], "the engine keeps no second name"
 
 
+@pytest.fixture
+def folder() -> Iterator[Path]:
+    """Where the first engine's store is: an engine cannot use every file system, such as that of a temporary folder."""
+    with tempfile.TemporaryDirectory(dir=ROOT / "build", prefix="offline-") as name:
+        yield Path(name)
+
+
 class OfflineEngine:
     """A second Docker Engine without any network. `store`: whether it has containerd's store (of several platforms)."""
 
@@ -58,10 +67,13 @@ class OfflineEngine:
             "bridge": "none",
         }
         (folder / "daemon.json").write_text(json.dumps(settings))
-        words = ["--config-file", "daemon.json", "--data-root", "data", "--exec-root", "exec", "--pidfile", "pid"]
-        words = [str(folder / word) if not word.startswith("--") else word for word in words]
-        self.host = f"unix://{folder}/socket"
-        self.program = Program(["unshare", "--net", "dockerd", *words, "--host", self.host])
+        # short: a socket's path has at most 107 characters
+        self._run = tempfile.TemporaryDirectory(prefix="offline-", ignore_cleanup_errors=True)
+        run = self._run.name
+        self.host = f"unix://{run}/socket"
+        words = ["--config-file", f"{folder}/daemon.json", "--data-root", f"{folder}/data"]
+        words += ["--exec-root", f"{run}/exec", "--pidfile", f"{run}/pid", "--host", self.host]
+        self.program = Program(["unshare", "--net", "dockerd", *words])
 
     def docker(self, *words: str) -> str:
         result = subprocess.run(["docker", "--host", self.host, *words], capture_output=True, text=True, check=False)
@@ -74,6 +86,7 @@ class OfflineEngine:
 
     def __exit__(self, *_: object) -> None:
         self.program.stop(seconds=30)
+        self._run.cleanup()
 
 
 needs_own_engine = pytest.mark.skipif(
@@ -82,10 +95,10 @@ needs_own_engine = pytest.mark.skipif(
 
 
 @needs_own_engine
-def test_an_archive_carries_every_platform(version: str, tmp_path: Path) -> None:
-    archive = tmp_path / "laserbot.tar"
+def test_an_archive_carries_every_platform(version: str, folder: Path) -> None:
+    archive = folder / "laserbot.tar"
     build(ARCHIVE=str(archive))
-    with OfflineEngine(tmp_path, store=True) as engine:
+    with OfflineEngine(folder, store=True) as engine:
         engine.docker("load", "--input", str(archive))
         for image, platforms in PLATFORMS.items():
             for platform in platforms:
@@ -94,12 +107,12 @@ def test_an_archive_carries_every_platform(version: str, tmp_path: Path) -> None
 
 
 @needs_own_engine
-def test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind(version: str, tmp_path: Path) -> None:
-    archive = tmp_path / "robot.tar"
+def test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind(version: str, folder: Path) -> None:
+    archive = folder / "robot.tar"
     try:
         build("rosberry", PLATFORM="linux/arm/v7", ARCHIVE=str(archive))
     finally:
         build("rosberry")  # for all platforms again
-    with OfflineEngine(tmp_path, store=False) as engine:
+    with OfflineEngine(folder, store=False) as engine:
         engine.docker("load", "--input", str(archive))
         assert engine.docker("run", "--rm", "--network=none", f"rosberry:{version}", "uname", "-m").strip() == "armv7l"
