@@ -22,6 +22,8 @@ class ComposeBattle:
     def __init__(self, folder: Path, platforms: Mapping[str, str], bots: int = 0, **variables: str) -> None:
         self.web_port, self.rosbridge_port, self.arena_port = free_port(), free_port(), free_port()
         self.web = f"http://127.0.0.1:{self.web_port}"
+        self.bridge = f"ws://127.0.0.1:{self.rosbridge_port}"
+        self.view = f"ws://127.0.0.1:{self.arena_port}/view"
         self._environment = {
             **os.environ,
             "LASERBOT_WEB_PORT": str(self.web_port),
