@@ -2,8 +2,7 @@
 
 import contextlib
 import json
-import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import pytest
 import requests
@@ -11,10 +10,9 @@ from websockets.exceptions import WebSocketException
 
 from tests.support.compose import ComposeBattle
 from tests.support.containers import docker
-from tests.support.player import Eyes, Player, hunt
+from tests.support.play import PLAYING, STOPPED, obeys, shoot_to_the_end, start
+from tests.support.player import Eyes, Player
 from tests.support.polling import until
-
-STOPPED, PLAYING = 0, 2
 
 
 @pytest.fixture(scope="module")
@@ -46,34 +44,19 @@ def available(battle: ComposeBattle) -> int:
     return 0
 
 
-def start(*players: Player) -> None:
-    for player in players:
-        assert player.ready() == "OK"
-    for player in players:
-        player.wait_for_game(PLAYING)
-
-
 def wait_until_it_drives(battle: ComposeBattle, player: Player, seconds: float = 20.0) -> None:
-    """Turn the player's robot until the arena shows it, whatever has to be connected again."""
-    for_arena: list[Eyes] = []
+    """Turn the player's robot until the arena shows it, which may have to come up again first."""
+    views: list[Eyes] = []
 
-    def turned(eyes: Eyes, heading: float) -> Callable[[], bool]:
-        def look() -> bool:
-            player.drive(angular=1)
-            return abs(math.remainder(eyes.robots()[player.robot]["heading"] - heading, math.tau)) > 0.2
-
-        return look
-
-    def eyes_open() -> bool:
+    def seen() -> bool:
         with contextlib.suppress(OSError, WebSocketException):
-            for_arena.append(Eyes(battle))
-        return bool(for_arena)
+            views.append(Eyes(battle))
+        return bool(views)
 
-    until(eyes_open, seconds, "the arena is to be seen")
-    with for_arena[0] as eyes:
+    until(seen, seconds, "the arena is to be seen")
+    with views[0] as eyes:
         until(lambda: player.robot in eyes.robots(), seconds, f"robot {player.robot} stands in the arena")
-        until(turned(eyes, eyes.robots()[player.robot]["heading"]), seconds, f"{player.name} drives")
-    player.drive()
+        obeys(player, eyes, seconds)
 
 
 def reconnect(player: Player) -> None:
@@ -91,13 +74,7 @@ def test_a_battle_is_played_to_its_end(battle: ComposeBattle, players: tuple[Pla
     page = ann.http.get(f"{battle.web}/home", timeout=5).text
     assert f'name="rosbridge-port" content="{battle.rosbridge_port}"' in page
     with Eyes(battle) as eyes:
-
-        def over() -> bool:
-            robots = eyes.robots()
-            bob.drive(*hunt(robots[bob.robot], robots[ann.robot]))
-            return bob.look()["game"] == STOPPED
-
-        until(over, 120, "Bob, on the emulated robot, shoots Ann to the end")
+        shoot_to_the_end(bob, ann, eyes)  # from the emulated robot
     result = [(entry["place"], entry["name"], entry["life"]) for entry in bob.look()["result"]]
     assert result == [(1, "Bob", 100), (2, "Ann", 0)]
 

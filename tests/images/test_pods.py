@@ -13,13 +13,12 @@ import yaml
 from tests.support.containers import docker
 from tests.support.imagefile import dockerfile
 from tests.support.manifests import Manifests, overlay
-from tests.support.player import Eyes, Player, hunt
+from tests.support.play import PLAYING, shoot_to_the_end
+from tests.support.player import Eyes, Player
 from tests.support.pods import ClusterBattle, Pod, free_node_ports
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
-
-STOPPED, PLAYING = 0, 2
 
 
 @pytest.fixture(scope="module")
@@ -70,13 +69,7 @@ def test_a_person_plays_against_the_bot_to_the_end(battle: ClusterBattle) -> Non
         assert {robot["name"]: robot["id"] for robot in eyes.robots().values()} == {"robot-0": 0, "robot-1": 1}
         assert ann.ready() == "OK"
         ann.wait_for_game(PLAYING, 30)
-
-        def over() -> bool:
-            robots = eyes.robots()
-            ann.drive(*hunt(robots[ann.robot], robots[1 - ann.robot]))
-            return bool(ann.look()["game"] == STOPPED)
-
-        until(over, 120, "one of them shoots the other to the end")
+        shoot_to_the_end(ann, 1 - ann.robot, eyes)
         result = {entry["name"]: entry["life"] for entry in ann.look()["result"]}
         assert set(result) == {"Ann", "Bot1"}
         assert min(result.values()) == 0

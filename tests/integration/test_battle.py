@@ -10,10 +10,9 @@ import requests
 from websockets.exceptions import WebSocketException
 
 from tests.support.battle import Battle
-from tests.support.player import Eyes, Player, hunt
+from tests.support.play import PLAYING, STOPPED, obeys, shoot_to_the_end, stands_still, start
+from tests.support.player import Eyes, Player
 from tests.support.polling import until
-
-STOPPED, COUNTDOWN, PLAYING = 0, 1, 2
 
 
 @pytest.fixture(scope="module")
@@ -36,13 +35,6 @@ def available(battle: Battle) -> int:
     return int(reply.json()["availableR"])
 
 
-def start(*players: Player) -> None:
-    for player in players:
-        assert player.ready() == "OK"
-    for player in players:
-        player.wait_for_game(PLAYING)
-
-
 def test_a_command_turns_the_wheels_and_silence_stops_them(battle: Battle, players: tuple[Player, Player]) -> None:
     ann, bob = players
     with Eyes(battle) as eyes:
@@ -58,14 +50,7 @@ def test_a_command_turns_the_wheels_and_silence_stops_them(battle: Battle, playe
         assert math.remainder(eyes.robots()[ann.robot]["heading"] - before["heading"], math.tau) < 0, (
             "right is clockwise"
         )
-        # no more commands: the dead-man stops the wheels
-        still_since: list[float] = []
-
-        def still() -> bool:
-            still_since.append(eyes.robots()[ann.robot]["heading"])
-            return len(still_since) > 50 and len(set(still_since[-50:])) == 1
-
-        until(still, 5, "Ann's robot stands still")
+        stands_still(ann, eyes)  # no more commands: the dead-man stops the wheels
         assert eyes.robots()[bob.robot]["heading"] == other_before["heading"], "nobody drove Bob's robot"
 
 
@@ -73,18 +58,7 @@ def test_shots_lower_the_life_on_every_page_and_end_the_battle(battle: Battle, p
     ann, bob = players
     with Eyes(battle) as eyes:
         start(ann, bob)
-        lives: list[int] = []
-
-        def over() -> bool:
-            robots = eyes.robots()
-            ann.drive(*hunt(robots[ann.robot], robots[bob.robot]))
-            life = ann.user("Bob").get("life")
-            if life is not None and life not in lives:
-                lives.append(life)
-            return ann.look()["game"] == STOPPED
-
-        until(over, 120, "Ann shoots Bob to the end")
-        assert lives == [100, 60, 20, 0]
+        assert shoot_to_the_end(ann, bob, eyes) == [100, 60, 20, 0]
         for player in players:
             result = [
                 (entry["place"], entry["name"], entry["life"]) for entry in until(lambda p=player: p.look()["result"])
@@ -137,7 +111,6 @@ def test_after_a_restart_of_the_server_the_robots_come_back_with_their_ids(
     battle: Battle, players: tuple[Player, Player]
 ) -> None:
     ann, bob = players
-    before = {ann.robot: "virtual0", bob.robot: "virtual1"}
     battle.kill(r"python3 -m server\.main")
 
     def back() -> bool:
@@ -148,14 +121,9 @@ def test_after_a_restart_of_the_server_the_robots_come_back_with_their_ids(
     until(back, 30, "both robots registered with the new server")
     with Player(battle, "Ann2") as again, Player(battle, "Bob2") as other, Eyes(battle) as eyes:
         start(again, other)
-        heading = eyes.robots()[again.robot]["heading"]
-
-        def turned() -> bool:
-            again.drive(angular=1)
-            return abs(eyes.robots()[again.robot]["heading"] - heading) > 0.2
-
-        until(turned, 15, f"robot {again.robot} ({before[again.robot]}) obeys its player again")
-        again.drive()
+        assert {again.robot, other.robot} == {ann.robot, bob.robot}
+        for player in (again, other):
+            obeys(player, eyes, 15)
 
 
 def test_a_server_that_stood_still_takes_nobody_for_gone(battle: Battle, players: tuple[Player, Player]) -> None:
@@ -186,13 +154,7 @@ def test_rosbridge_restarts_and_the_players_go_on(battle: Battle, players: tuple
     until(connected, 20, "rosbridge is back")
     ann.wait_for_game(PLAYING)
     with Eyes(battle) as eyes:
-        heading = eyes.robots()[ann.robot]["heading"]
-
-        def turned() -> bool:
-            ann.drive(angular=1)
-            return abs(eyes.robots()[ann.robot]["heading"] - heading) > 0.2
-
-        until(turned, 10, "Ann drives on")
+        obeys(ann, eyes, 10)
 
 
 def test_a_closed_socket_stops_the_robot(battle: Battle, players: tuple[Player, Player]) -> None:
@@ -207,10 +169,4 @@ def test_a_closed_socket_stops_the_robot(battle: Battle, players: tuple[Player, 
 
         until(turning, 10)
         ann.bridge.close()
-        seen: list[float] = []
-
-        def still() -> bool:
-            seen.append(eyes.robots()[ann.robot]["heading"])
-            return len(seen) > 50 and len(set(seen[-50:])) == 1
-
-        until(still, 3, "Ann's robot stands still")
+        stands_still(ann, eyes, 3)

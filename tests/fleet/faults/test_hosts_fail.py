@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
-from tests.fleet.faults.battle import STOPPED, start
 from tests.support.fleet import Machine
+from tests.support.play import STOPPED, start
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, power_off, power_on

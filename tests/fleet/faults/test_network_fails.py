@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.fleet.faults.battle import PLAYING, obeys, stands_still, start
+from tests.support.play import PLAYING, obeys, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, cut

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.fleet.faults.battle import PLAYING, obeys, start
+from tests.support.play import PLAYING, obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal

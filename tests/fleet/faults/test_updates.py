@@ -6,8 +6,8 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tests.fleet.faults.battle import PLAYING, obeys, start
 from tests.support.fleet import Machine
+from tests.support.play import PLAYING, obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.programs import ROOT
 from tests.support.rehearsal import FOLDER, Rehearsal, docker

@@ -1,8 +1,8 @@
-"""A battle under way, for faults to happen in."""
+"""What players do in a battle, wherever it is played: in processes, containers, pods, on hosts."""
 
 import math
 
-from tests.support.player import Eyes, Player
+from tests.support.player import Eyes, Player, hunt
 from tests.support.polling import until
 
 STOPPED, COUNTDOWN, PLAYING = 0, 1, 2
@@ -35,3 +35,23 @@ def stands_still(player: Player, eyes: Eyes, seconds: float = 5.0) -> None:
         return len(seen) > 50 and len(set(seen[-50:])) == 1
 
     until(still, seconds, f"robot {player.robot} stands still")
+
+
+def shoot_to_the_end(shooter: Player, target: Player | int, eyes: Eyes, seconds: float = 120.0) -> list[int]:
+    """Hunt the target (a player, or the robot of one that is not ours) until the battle is over.
+
+    The lives that everybody saw of a player, each once.
+    """
+    prey = target if isinstance(target, int) else target.robot
+    lives: list[int] = []
+
+    def over() -> bool:
+        robots = eyes.robots()
+        shooter.drive(*hunt(robots[shooter.robot], robots[prey]))
+        life = shooter.user(target.name).get("life") if isinstance(target, Player) else None
+        if life is not None and life not in lives:
+            lives.append(life)
+        return bool(shooter.look()["game"] == STOPPED)
+
+    until(over, seconds, f"{shooter.name} shoots robot {prey} to the end")
+    return lives
