@@ -10,7 +10,7 @@ from websockets.exceptions import WebSocketException
 
 from tests.support.compose import ComposeBattle
 from tests.support.containers import docker
-from tests.support.play import PLAYING, STOPPED, obeys, shoot_to_the_end, start
+from tests.support.play import PLAYING, STOPPED, obeys, reconnect, shoot_to_the_end, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
@@ -57,16 +57,6 @@ def wait_until_it_drives(battle: ComposeBattle, player: Player, seconds: float =
     with views[0] as eyes:
         until(lambda: player.robot in eyes.robots(), seconds, f"robot {player.robot} stands in the arena")
         obeys(player, eyes, seconds)
-
-
-def reconnect(player: Player) -> None:
-    def connected() -> bool:
-        with contextlib.suppress(OSError, WebSocketException):
-            player.bridge = player.connect_bridge()
-            return True
-        return False
-
-    until(connected, 30, f"{player.name}'s page finds rosbridge again")
 
 
 def test_a_battle_is_played_to_its_end(battle: ComposeBattle, players: tuple[Player, Player]) -> None:

@@ -7,10 +7,9 @@ from collections.abc import Iterator
 
 import pytest
 import requests
-from websockets.exceptions import WebSocketException
 
 from tests.support.battle import Battle
-from tests.support.play import PLAYING, STOPPED, obeys, shoot_to_the_end, stands_still, start
+from tests.support.play import PLAYING, STOPPED, obeys, reconnect, shoot_to_the_end, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
@@ -72,7 +71,9 @@ def test_nobody_drives_another_ones_robot_or_before_the_start(battle: Battle, pl
     with Eyes(battle) as eyes:
         before = eyes.robots()
         ann.drive(linear=1)  # no battle yet
+        ann.bridge.close()
         ann.robot, own = bob.robot, ann.robot
+        ann.connect()
         start(ann, bob)
         ann.drive(linear=1)  # not hers
         ann.robot = own
@@ -145,13 +146,7 @@ def test_rosbridge_restarts_and_the_players_go_on(battle: Battle, players: tuple
     start(ann, bob)
     battle.kill(r"python3 -m server\.rosbridge")
 
-    def connected() -> bool:
-        with contextlib.suppress(OSError, WebSocketException):
-            ann.bridge = ann.connect_bridge()
-            return True
-        return False
-
-    until(connected, 20, "rosbridge is back")
+    reconnect(ann)
     ann.wait_for_game(PLAYING)
     with Eyes(battle) as eyes:
         obeys(ann, eyes, 10)

@@ -1,6 +1,9 @@
 """What players do in a battle, wherever it is played: in processes, containers, pods, on hosts."""
 
+import contextlib
 import math
+
+from websockets.exceptions import WebSocketException
 
 from tests.support.player import Eyes, Player, hunt
 from tests.support.polling import until
@@ -13,6 +16,16 @@ def start(*players: Player) -> None:
         assert player.ready() == "OK"
     for player in players:
         player.wait_for_game(PLAYING)
+
+
+def reconnect(player: Player, seconds: float = 30.0) -> None:
+    def connected() -> bool:
+        with contextlib.suppress(OSError, WebSocketException):
+            player.connect()
+            return True
+        return False
+
+    until(connected, seconds, f"{player.name}'s page finds rosbridge again")
 
 
 def obeys(player: Player, eyes: Eyes, seconds: float = 30.0) -> None:

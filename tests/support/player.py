@@ -4,11 +4,11 @@ import contextlib
 import json
 import math
 import threading
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, Protocol
 
 import requests
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import connect
 
 from tests.support.polling import until
 
@@ -29,6 +29,45 @@ class Place(Protocol):
     def view(self) -> str: ...
 
 
+class Bridge(Protocol):
+    """A client of rosbridge that drives one robot and watches /game_status."""
+
+    def publish(self, command: Mapping[str, object]) -> None:
+        """A laser_bot_battle/Robot_msg for the robot."""
+
+    def heard(self) -> Iterator[dict[str, Any]]:
+        """What /game_status said since the last call."""
+
+    def close(self) -> None: ...
+
+
+class WebSocketBridge:
+    """The protocol, bare."""
+
+    def __init__(self, url: str, robot: int, cookies: str) -> None:
+        # no bound on what waits to be read: a close must get through even if a test did not look for a while
+        self._socket = connect(url, additional_headers={"Cookie": cookies}, max_queue=None)
+        self._topic = f"/Robot{robot}/command"
+        self._send("subscribe", topic="/game_status", type="laser_bot_battle/GameStatus")
+        self._send("advertise", topic=self._topic, type="laser_bot_battle/Robot_msg")
+
+    def _send(self, op: str, **fields: object) -> None:
+        self._socket.send(json.dumps({"op": op, **fields}))
+
+    def publish(self, command: Mapping[str, object]) -> None:
+        self._send("publish", topic=self._topic, msg=command)
+
+    def heard(self) -> Iterator[dict[str, Any]]:
+        with contextlib.suppress(TimeoutError):
+            while True:
+                message = json.loads(self._socket.recv(timeout=0))
+                if message["op"] == "publish":
+                    yield message["msg"]
+
+    def close(self) -> None:
+        self._socket.close()
+
+
 class Player:
     """Signs up at once; use as a context manager to sign out and close the sockets."""
 
@@ -38,7 +77,7 @@ class Player:
         reply = self.post("signUpUser", data=name)
         assert reply["status"] == "OK", reply
         self.robot: int = reply["robot"]
-        self.bridge = self.connect_bridge()
+        self.connect()
         self._gone = threading.Event()
         self._heart = threading.Thread(target=self._beat)
         self._heart.start()
@@ -51,16 +90,15 @@ class Player:
                 with contextlib.suppress(requests.ConnectionError, requests.Timeout):
                     http.post(f"{self.battle.web}/updateGameStatus", timeout=5)
 
-    def connect_bridge(self) -> ClientConnection:
-        """A WebSocket to rosbridge with this player's cookie, the state of the battle subscribed."""
-        cookies = "; ".join(f"{cookie.name}={cookie.value}" for cookie in self.http.cookies)
-        # no bound on what waits to be read: a close must get through even if a test did not look for a while
-        bridge = connect(self.battle.bridge, additional_headers={"Cookie": cookies}, max_queue=None)
-        bridge.send(json.dumps({"op": "subscribe", "topic": "/game_status", "type": "laser_bot_battle/GameStatus"}))
-        topic = f"/Robot{self.robot}/command"
-        bridge.send(json.dumps({"op": "advertise", "topic": topic, "type": "laser_bot_battle/Robot_msg"}))
+    def connect(self) -> None:
+        """Open a connection to rosbridge; forget what an earlier one told."""
+        self.bridge = self.connect_bridge()
         self.status: dict[str, Any] = {}
-        return bridge
+
+    def connect_bridge(self) -> "Bridge":
+        """A new connection to rosbridge, with this player's rights."""
+        cookies = "; ".join(f"{cookie.name}={cookie.value}" for cookie in self.http.cookies)
+        return WebSocketBridge(self.battle.bridge, self.robot, cookies)
 
     def post(self, route: str, **fields: object) -> dict[str, Any]:
         reply = self.http.post(f"{self.battle.web}/{route}", data=fields, timeout=5)
@@ -70,18 +108,13 @@ class Player:
         return str(self.post("playerReady", user=self.name, ready=value)["status"])
 
     def drive(self, linear: int = 0, angular: int = 0, shoot: bool = False) -> None:
-        command = {"linear_x": linear, "angular_z": angular, "shoot": shoot}
-        self.bridge.send(json.dumps({"op": "publish", "topic": f"/Robot{self.robot}/command", "msg": command}))
+        self.bridge.publish({"linear_x": linear, "angular_z": angular, "shoot": shoot})
 
     def look(self) -> dict[str, Any]:
         """The newest /game_status (empty before the first)."""
-        while True:
-            try:
-                message = json.loads(self.bridge.recv(timeout=0))
-            except TimeoutError:
-                return self.status
-            if message["op"] == "publish":
-                self.status = message["msg"]
+        for status in self.bridge.heard():
+            self.status = status
+        return self.status
 
     def user(self, name: str | None = None) -> Mapping[str, Any]:
         """One signed-in player as everybody sees him, empty when he is not there."""

