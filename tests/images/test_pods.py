@@ -124,7 +124,7 @@ def test_what_the_manifests_are_checked_against_is_what_the_image_says(version: 
     assert config["Cmd"] == expected.command
     assert config["Healthcheck"]["Test"] == ["CMD", *expected.health]
     assert {int(port.split("/")[0]) for port in config.get("ExposedPorts") or {}} == expected.ports
-    assert set(config.get("Volumes") or {}) == expected.volumes
+    assert not config.get("Volumes")  # which would be left behind by every service that does not use it
     environment = dict(pair.split("=", 1) for pair in config["Env"])
     assert expected.environment.items() <= environment.items()
     assert "/usr/bin" in environment["PATH"]  # the manifests' commands and probes name no folder

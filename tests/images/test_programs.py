@@ -31,7 +31,7 @@ class Battle:
 
     def start_master(self, platform: str) -> list[Container]:
         master = self.start("webserver", platform, "master", "rosmaster", "--core", "-p", "11311")
-        web = self.start("webserver", platform, "web")
+        web = self.start("webserver", platform, "web", LASERBOT_DATA="/run/laserbot")
         bridge = self.start("webserver", platform, "rosbridge", "python3", "-m", "server.rosbridge")
         return [master, web, bridge]
 

@@ -17,7 +17,6 @@ class ImageConfig:
     command: list[str] = field(default_factory=list)
     health: list[str] = field(default_factory=list)
     ports: set[int] = field(default_factory=set)
-    volumes: set[str] = field(default_factory=set)
     environment: dict[str, str] = field(default_factory=dict)
 
 
@@ -46,8 +45,6 @@ def _read(config: ImageConfig, word: str, rest: str) -> None:
             config.health = json.loads(rest[rest.index("CMD") + 3 :])
         case "EXPOSE":
             config.ports = {int(number) for number in rest.split()}
-        case "VOLUME":
-            config.volumes = set(rest.split())
         case "ENV":
             config.environment |= dict(pair.split("=", 1) for pair in shlex.split(rest))
 
