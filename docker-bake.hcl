@@ -10,7 +10,7 @@ target "image" {
   context    = "."
   dockerfile = "images/Dockerfile"
   contexts = {
-    base     = "docker-image://laserbot/base:trixie"
+    base     = "docker-image://localhost/laserbot/base:trixie"
     packages = "build/packages"
   }
   args = { SOURCE_DATE_EPOCH = SOURCE_DATE_EPOCH }

@@ -51,7 +51,14 @@ def version() -> str:
             "these tests need a Docker Engine: ci/engine .venv/bin/python -m pytest tests/images", pytrace=False
         )
     build()
-    return re.search(r"<version>(.*)</version>", (ROOT / "laser_bot_battle/package.xml").read_text())[1]
+    version = re.search(r"<version>(.*)</version>", (ROOT / "laser_bot_battle/package.xml").read_text())[1]
+    for platform in ("linux/arm64", "linux/arm/v7"):
+        command = ["docker", "run", "--rm", f"--platform={platform}", "--network=none", f"rosberry:{version}", "true"]
+        tried = subprocess.run(command, capture_output=True, text=True, check=False)
+        if tried.returncode:
+            why = f"this engine runs no images for {platform}; on Debian, apt-get install qemu-user-static brings that"
+            pytest.fail(f"{why}: {tried.stderr.strip()}", pytrace=False)
+    return version
 
 
 @pytest.fixture

@@ -55,15 +55,8 @@ def test_a_robot_on_a_serial_device_joins_the_master(version: str, serial_device
     }
 
     def compose(*words: str) -> str:
-        command = [
-            "docker",
-            "compose",
-            "--project-directory",
-            str(ROOT),
-            "--project-name",
-            f"laserbot-lan-{os.getpid()}",
-        ]
-        command += ["--profile", "master", "--profile", "robot", *words]
+        command = ["docker", "compose", "--env-file=/dev/null", f"--project-directory={ROOT}"]
+        command += [f"--project-name=laserbot-lan-{os.getpid()}", "--profile=master", "--profile=robot", *words]
         result = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         assert result.returncode == 0, f"{' '.join(command)}: {result.stdout}{result.stderr}"
         return result.stdout

@@ -36,13 +36,14 @@ class ComposeBattle:
         }
         override = folder / "compose.platforms.yaml"
         override.write_text(json.dumps({"services": services}))  # JSON is YAML
-        self._files = ["--file", str(ROOT / "compose.yaml"), "--file", str(override)]
-        self._project = f"laserbot-test-{os.getpid()}"
+        # not the operator's own settings beside compose.yaml
+        self._options = ["--env-file=/dev/null", "--project-name", f"laserbot-test-{os.getpid()}"]
+        self._options += ["--file", str(ROOT / "compose.yaml"), "--file", str(override)]
         self._bots = bots
 
     def compose(self, *words: str) -> str:
         result = subprocess.run(
-            ["docker", "compose", "--project-name", self._project, *self._files, "--profile", "demo", *words],
+            ["docker", "compose", *self._options, "--profile", "demo", *words],
             env=self._environment, capture_output=True, text=True, check=False,
         )  # fmt: skip
         assert result.returncode == 0, f"docker compose {' '.join(words)}: {result.stdout}{result.stderr}"
