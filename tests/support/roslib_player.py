@@ -29,8 +29,9 @@ class RoslibBridge:
 
     def _listen(self) -> None:
         assert self._process.stdout
-        for line in self._process.stdout:
-            self._heard.put(json.loads(line))
+        with self._process.stdout as lines:
+            for line in lines:
+                self._heard.put(json.loads(line))
 
     def publish(self, command: Mapping[str, object]) -> None:
         assert self._process.stdin

@@ -1,0 +1,107 @@
+"""A robot whose clock is wrong, a robot whose disk is full."""
+
+import json
+import shlex
+import subprocess
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime
+from pathlib import Path
+
+import pytest
+
+from tests.support.fleet import Machine
+from tests.support.play import obeys, start
+from tests.support.player import Eyes, Player
+from tests.support.polling import until
+from tests.support.rehearsal import Rehearsal, docker, outside
+
+Measured = Callable[[str], None]
+SERVICE = "laserbot-robot"
+# what a full disk of a robot keeps from being written: the engine's notes of its containers, their logs, the journal
+WRITTEN = ("/var/lib/docker/containers", "/var/log/journal")
+
+
+@pytest.fixture
+def libfaketime(tmp_path: Path) -> Path:
+    """Debian's library that gives one program another time; the hosts of a rehearsal share the machine's clock."""
+    subprocess.run(["apt-get", "-q", "download", "libfaketime"], cwd=tmp_path, check=True, capture_output=True)
+    (package,) = tmp_path.glob("*.deb")
+    subprocess.run(["dpkg-deb", "-x", package, tmp_path], check=True)
+    return next(tmp_path.rglob("libfaketime.so.1"))
+
+
+def test_a_robots_clock_is_a_year_behind(
+    rehearsal: Rehearsal, libfaketime: Path, measured: Measured
+) -> None:
+    robot = rehearsal.robots[0]
+    docker("cp", str(libfaketime), f"{outside(robot)}:/run/libfaketime.so")
+    with another_clock(robot, "-365d"):
+        measured("")
+        rehearsal.wait_until_complete(60)
+        measured("registered")
+        told = datetime.strptime(robot.run("docker exec late date -u +%F").strip(), "%Y-%m-%d").replace(tzinfo=UTC)
+        assert 360 < (datetime.now(UTC) - told).days < 370
+        with Player(rehearsal, "Ann") as ann, Player(rehearsal, "Bob") as bob, Eyes(rehearsal) as eyes:
+            assert ann.robot == 1
+            start(ann, bob)
+            obeys(ann, eyes)
+
+
+@contextmanager
+def another_clock(machine: Machine, offset: str) -> Iterator[None]:
+    """The robot's service, with all that it was given, in a container with another clock."""
+    service = machine.container(SERVICE)
+    given = service["HostConfig"]
+    flags = [f"--env={variable}" for variable in service["Config"]["Env"]]
+    flags += [f"--env=FAKETIME={offset}", "--env=FAKETIME_DONT_FAKE_MONOTONIC=1", "--env=LD_PRELOAD=/libfaketime.so"]
+    flags += [f"--volume={bind}" for bind in [*given["Binds"], "/run/libfaketime.so:/libfaketime.so:ro"]]
+    flags += [f"--tmpfs={path}:{options}" for path, options in given["Tmpfs"].items()]
+    flags += [f"--group-add={group}" for group in given["GroupAdd"]]
+    flags += [f"--device-cgroup-rule={rule}" for rule in given["DeviceCgroupRules"]]
+    flags += ["--network=host", "--read-only", "--cap-drop=ALL"]
+    machine.run(f"docker stop {SERVICE}")
+    machine.run(shlex.join(["docker", "run", "--detach", "--name=late", *flags, service["Config"]["Image"]]))
+    try:
+        yield
+    finally:
+        machine.run("docker rm --force late")
+        machine.run(f"docker start {SERVICE}")
+
+
+def test_a_robots_disk_is_full_in_a_battle(
+    rehearsal: Rehearsal, players: tuple[Player, Player], measured: Measured
+) -> None:
+    ann, bob = players
+    robot = rehearsal.machines[f"raspberrypi{ann.robot}"]
+    with Eyes(rehearsal) as eyes:
+        start(ann, bob)
+        with full_disk(robot):
+            obeys(ann, eyes)
+            crash(robot)
+            measured("")
+            until(lambda: not bob.user("Ann"), 10, "a robot that is gone takes its player with it")
+            rehearsal.wait_until_complete(90)
+            measured("back after a crash, with the disk still full")
+    assert json.loads(robot.run(f"docker inspect {SERVICE}"))[0]["State"]["Health"]["Status"] == "healthy"
+
+
+@contextmanager
+def full_disk(machine: Machine) -> Iterator[None]:
+    """Small file systems without a free byte in the places where a running host writes."""
+    for folder in WRITTEN:
+        small = f"mount -t tmpfs -o size=2m tmpfs /mnt && cp -a {folder}/. /mnt/ && mount --move /mnt {folder}"
+        machine.run(f"sh -c {shlex.quote(small)}")
+        machine.host.run(f"dd if=/dev/zero of={folder}/filler bs=1k")
+        assert " 0 100% " in " ".join(machine.run(f"df --output=avail,pcent,target {folder}").split())
+    try:
+        yield
+    finally:
+        for folder in WRITTEN:
+            # a bind mount shows what is below the small file system: it gets what was noted meanwhile
+            back = f"rm {folder}/filler && mount --bind {folder}/.. /mnt && cp -a {folder}/. /mnt/{Path(folder).name}/"
+            machine.run(f"sh -c {shlex.quote(f'{back} && umount /mnt && umount --lazy {folder}')}")
+
+
+def crash(machine: Machine) -> None:
+    machine.run(f"kill -9 $(docker inspect --format '{{{{.State.Pid}}}}' {SERVICE})")
