@@ -4,7 +4,8 @@
 
 The Arduino is asked first, so that the server never offers players a robot that cannot move. Then the pings and the
 serial node Robot<ID> run until the serial node ends. Whatever fails is said in one line and tried again, for ever.
-SIGINT and SIGTERM end everything.
+The status LED is lit from the start until the robot has an ID, blinks slowly while it works, and fast while it lacks
+its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 """
 
 import argparse
@@ -21,12 +22,19 @@ with missing_explained():
     from robot.ping_thread import PingThread
     from robot.serial_port import PortError, probe
     from robot.settings import Settings
+    from robot.status_led import State, Status, status_led
 
 require(
     "rospy", "rosgraph", "genpy", "std_msgs", "laser_bot_battle.msg._Robot_msg"
 )  # for the programs that this one starts
 
 POLL = 0.1  # s
+
+VARIABLES = """\
+variables: LASERBOT_MASTER (laser_bot_master.local), LASERBOT_WEB_PORT (5000), ROS_MASTER_URI (port 11311 of the
+master), LASERBOT_SERIAL (/dev/laserbot /dev/ttyACM0 /dev/ttyUSB0), LASERBOT_ROBOT_NAME (host name and MAC address),
+LASERBOT_RETRY (5 s), LASERBOT_LED (18: the GPIO of the status LED, or none), LASERBOT_LOG_LEVEL (info)
+"""
 
 log = logging.getLogger("robot.id_service_client")
 
@@ -37,7 +45,10 @@ class ArduinoLostError(Exception):
 
 def main() -> int:
     parser = argparse.ArgumentParser(
-        prog="robot.id_service_client", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+        prog="robot.id_service_client",
+        description=__doc__,
+        epilog=VARIABLES,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     # roslaunch adds ROS arguments such as __name:=...
     parser.parse_args([word for word in sys.argv[1:] if ":=" not in word])
@@ -45,19 +56,21 @@ def main() -> int:
     for number in (signal.SIGINT, signal.SIGTERM):  # a shell starts background programs with SIGINT ignored
         signal.signal(number, signal.default_int_handler)
     try:
-        while True:
-            log.info("Starting service client ...")
-            try:
-                attend(settings)
-            except (ArduinoLostError, PortError, RegistrationError) as error:
-                log.error("%s (again in %g s)", error, settings.retry)
-            time.sleep(settings.retry)
+        with status_led(settings.led) as led:
+            while True:
+                log.info("Starting service client ...")
+                try:
+                    attend(settings, led)
+                except (ArduinoLostError, PortError, RegistrationError) as error:
+                    led.state = State.FAILING
+                    log.error("%s (again in %g s)", error, settings.retry)
+                time.sleep(settings.retry)
     except KeyboardInterrupt:
         log.info("ends")
     return 0
 
 
-def attend(settings: Settings) -> None:
+def attend(settings: Settings, led: Status) -> None:
     """One life of the robot, from finding the Arduino to losing it; always ends with an exception that says why."""
     device = find_arduino(settings.devices)
     log.info("asking the Arduino at %s", device)
@@ -66,7 +79,7 @@ def attend(settings: Settings) -> None:
     while True:
         log.info("New robot ID = %d", robot_id)
         with PingThread(settings.alive_url, robot_id) as pings, SerialNode(device, robot_id) as node:
-            robot_id = keep(robot_id, node, pings, settings.retry)
+            robot_id = keep(robot_id, node, pings, led, settings.retry)
 
 
 def find_arduino(devices: tuple[str, ...]) -> str:
@@ -77,13 +90,14 @@ def find_arduino(devices: tuple[str, ...]) -> str:
     raise ArduinoLostError(f"No attached ARDUINO found: looked for {', '.join(devices)}")
 
 
-def keep(robot_id: int, node: SerialNode, pings: PingThread, retry: float) -> int:
+def keep(robot_id: int, node: SerialNode, pings: PingThread, led: Status, retry: float) -> int:
     """Watch a working robot, register it again when the server forgets it; returns its ID when that has changed.
 
     ArduinoLostError when the serial node ends.
     """
     register_at = 0.0
     while node.exit_code is None:
+        led.state = State.WORKING if pings.welcome else State.FAILING
         if pings.unknown.is_set() and time.monotonic() >= register_at:
             log.warning("the server does not know robot %d (any more): registering again", robot_id)
             register_at = time.monotonic() + retry

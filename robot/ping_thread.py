@@ -30,6 +30,11 @@ class PingThread(threading.Thread):
     def __exit__(self, *_: object) -> None:
         self.stop()
 
+    @property
+    def welcome(self) -> bool:
+        """Whether the server answers, and knows this robot."""
+        return self._reachable and not self.unknown.is_set()
+
     def stop(self) -> None:
         """No ping is sent after this; one on its way is not waited for."""
         self._end.set()

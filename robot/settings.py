@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 DEVICES = ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0")
+HEADER_GPIOS = range(28)  # the others belong to the Raspberry Pi's own parts, such as its SD card
 LOG_LEVELS = ("debug", "info", "warning", "error")
 
 
@@ -20,6 +21,7 @@ class Settings:
     devices: tuple[str, ...]  # where the Arduino may be, best first: paths or pyserial URLs
     robot_name: str  # stable identity of this robot
     retry: float  # s between attempts
+    led: int | None  # GPIO of the status LED, None if the robot has none
     log_level: str
 
     @classmethod
@@ -40,6 +42,7 @@ class Settings:
             devices=tuple(devices) or DEVICES,
             robot_name=env.get("LASERBOT_ROBOT_NAME") or default_robot_name(),
             retry=_number(env, "LASERBOT_RETRY", 5, (0.1, 3600)),
+            led=_led(env),
             log_level=level,
         )
 
@@ -84,6 +87,15 @@ def _number(env: Mapping[str, str], name: str, default: float, bounds: tuple[flo
     if not bounds[0] <= value <= bounds[1]:
         raise ValueError(f"{name}={text}: must be a number from {bounds[0]:g} to {bounds[1]:g}")
     return value
+
+
+def _led(env: Mapping[str, str]) -> int | None:
+    text = env.get("LASERBOT_LED") or "18"
+    if text == "none":
+        return None
+    if not (text.isascii() and text.isdigit() and int(text) in HEADER_GPIOS):
+        raise ValueError(f"LASERBOT_LED={text}: must be a GPIO from 0 to {HEADER_GPIOS[-1]}, or none")
+    return int(text)
 
 
 def default_robot_name(interfaces: Path = Path("/sys/class/net")) -> str:

@@ -72,6 +72,8 @@ def test_a_robot_joins_the_battle_with_its_firmware_inside(battle: Battle, platf
     )
     figures.append(f"rosberry {platform}: robot healthy after {robot.wait_until_healthy(240):.1f} s")
     assert robot.run("ls", "/opt/laserbot/firmware").split() == ["laserbot.hex"]
+    # the library is there; in this test the GPIO is not, and the robot works without
+    assert "no status LED: line 18 of /dev/gpiochip0: " in robot.logs
     assert "Usage" in robot.run("sh", "-c", "avrdude 2>&1")
     check_end(robot, platform)
 

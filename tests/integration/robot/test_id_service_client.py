@@ -1,7 +1,6 @@
 """The robot's main program between a device, a real ROS service and a real HTTP server."""
 
 import os
-import re
 import signal
 import time
 from collections.abc import Iterator
@@ -10,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from tests.integration.robot.device import Device
+from tests.integration.robot.id_service import IdService
 from tests.integration.robot.web_server import WebServer
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -17,62 +17,10 @@ from tests.support.programs import Program
 from tests.support.ros import RosMaster
 
 
-class IdService:
-    """/add_new_robot in a process of its own; `next` is its next answer, "none" makes it fail."""
-
-    def __init__(self, master: RosMaster, file: Path) -> None:
-        self._file = file
-        self._master = master
-        self.give("0")
-        self.start()
-
-    def give(self, answer: str) -> None:
-        self._file.write_text(answer)
-
-    def start(self) -> None:
-        self._program = Program.python("tests.integration.robot.peers", "ids", str(self._file), env=self._master.env)
-        self._program.wait_for("ready")
-
-    def kill(self) -> None:
-        self._program.kill()
-
-    @property
-    def callers(self) -> list[str]:
-        """Who has asked for an ID, in order."""
-        return re.findall("asked by (.*)", self._program.output)
-
-
 @pytest.fixture
-def ids(ros_master: RosMaster, tmp_path: Path) -> Iterator[IdService]:
-    service = IdService(ros_master, tmp_path / "next_id")
-    yield service
-    service.kill()
-
-
-@pytest.fixture
-def web() -> Iterator[WebServer]:
-    with WebServer() as web:
-        yield web
-
-
-@pytest.fixture
-def device(tmp_path: Path) -> Iterator[Device]:
-    with Device(tmp_path / "ttyACM0") as device:
-        yield device
-
-
-@pytest.fixture
-def robot(ros_master: RosMaster, web: WebServer, device: Device) -> Iterator[Program]:
-    """The program under test; it tries again every half second instead of every 5 s."""
-    env = {
-        **ros_master.env,
-        "LASERBOT_MASTER": "127.0.0.1",
-        "LASERBOT_WEB_PORT": str(web.port),
-        "LASERBOT_SERIAL": device.path,
-        "LASERBOT_ROBOT_NAME": "test-robot.1",
-        "LASERBOT_RETRY": "0.5",
-    }
-    program = Program.python("robot.id_service_client", env=env)
+def robot(settings: dict[str, str]) -> Iterator[Program]:
+    """The program under test."""
+    program = Program.python("robot.id_service_client", env=settings)
     yield program
     if program.running:
         program.stop()

@@ -13,12 +13,6 @@ from tests.support.polling import until
 
 
 @pytest.fixture
-def web() -> Iterator[WebServer]:
-    with WebServer() as web:
-        yield web
-
-
-@pytest.fixture
 def pings(web: WebServer, caplog: pytest.LogCaptureFixture) -> Iterator[PingThread]:
     caplog.set_level(logging.INFO, "robot")
     with PingThread(web.url, 7) as pings:

@@ -40,12 +40,6 @@ def start(ros_master: RosMaster) -> Iterator[Start]:
         yield begin
 
 
-@pytest.fixture
-def device(tmp_path: Path) -> Iterator[Device]:
-    with Device(tmp_path / "ttyACM0") as device:
-        yield device
-
-
 def serve(start: Start, device: str, robot_id: int) -> Program:
     """The serial node of Robot<robot_id>, with the device's topics joined."""
     name = f"Robot{robot_id}"

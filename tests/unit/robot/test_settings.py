@@ -11,6 +11,7 @@ def test_the_defaults_are_those_of_the_manual() -> None:
     assert settings.ros_master_uri == "http://laser_bot_master.local:11311"
     assert settings.devices == DEVICES == ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0")
     assert settings.retry == 5
+    assert settings.led == 18
     assert settings.log_level == "info"
 
 
@@ -22,6 +23,7 @@ def test_the_environment_overrides_them() -> None:
             "LASERBOT_SERIAL": "socket://arena:9000",
             "LASERBOT_ROBOT_NAME": "virtual-0",
             "LASERBOT_RETRY": "0.5",
+            "LASERBOT_LED": "27",
             "LASERBOT_LOG_LEVEL": "DEBUG",
         }
     )
@@ -29,7 +31,11 @@ def test_the_environment_overrides_them() -> None:
     assert settings.ros_master_uri == "http://10.0.0.7:11311"
     assert settings.devices == ("socket://arena:9000",)
     assert settings.caller_id == "/id_service_client_virtual_0"
-    assert (settings.retry, settings.log_level) == (0.5, "debug")
+    assert (settings.retry, settings.led, settings.log_level) == (0.5, 27, "debug")
+
+
+def test_a_robot_may_have_no_led() -> None:
+    assert Settings.from_env({"LASERBOT_LED": "none"}).led is None
 
 
 def test_a_ros_master_that_is_set_counts() -> None:
@@ -45,6 +51,9 @@ def test_a_ros_master_that_is_set_counts() -> None:
         ("LASERBOT_WEB_PORT", "5000.5"),
         ("LASERBOT_RETRY", "-1"),
         ("LASERBOT_RETRY", "nan"),
+        ("LASERBOT_LED", "28"),
+        ("LASERBOT_LED", "GPIO18"),
+        ("LASERBOT_LED", "²"),
         ("LASERBOT_LOG_LEVEL", "loud"),
         ("ROS_MASTER_URI", "master"),
         ("ROS_MASTER_URI", "http://master"),
