@@ -46,7 +46,7 @@ def test_the_engine_keeps_containers_through_its_own_restart(machine: Machine) -
 
 
 def test_engine_and_firewall_start_at_boot(machine: Machine) -> None:
-    for unit in ("docker", "laserbot-firewall", "avahi-daemon", "chrony", "ssh"):
+    for unit in ("docker", "laserbot-firewall", "laserbot-revive", "avahi-daemon", "chrony", "ssh"):
         assert machine.host.service(unit).is_enabled, unit
         assert machine.host.service(unit).is_running, unit
     assert machine.run("systemctl --failed --plain --no-legend") == ""
