@@ -73,7 +73,8 @@ class OfflineEngine:
         self.host = f"unix://{run}/socket"
         words = ["--config-file", f"{folder}/daemon.json", "--data-root", f"{folder}/data"]
         words += ["--exec-root", f"{run}/exec", "--pidfile", f"{run}/pid", "--host", self.host]
-        self.program = Program(["unshare", "--net", "dockerd", *words])
+        # its mounts, too, end with it
+        self.program = Program(["unshare", "--net", "--mount", "dockerd", *words])
 
     def docker(self, *words: str) -> str:
         result = subprocess.run(["docker", "--host", self.host, *words], capture_output=True, text=True, check=False)
