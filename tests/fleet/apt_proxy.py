@@ -2,7 +2,7 @@
 
     python3 apt_proxy.py ADDRESS PORT FOLDER
 
-The rehearsed hosts have no other way out, as in a LAN without internet.
+The rehearsed hosts take their packages through it, as hosts in a LAN without internet do.
 """
 
 import http.server

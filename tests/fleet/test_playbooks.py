@@ -10,6 +10,23 @@ from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal
 
 
+def test_the_operators_checks_pass(rehearsal: Rehearsal) -> None:
+    """All of tests/fleet/checks, on every host, as a table."""
+    run = rehearsal.playbook("check")
+    rows = [line for line in run.output.splitlines() if " ok " in line]
+    assert len(rows) > 15, run.output
+    assert not any("FAILED" in row for row in rows)
+
+
+def test_a_host_that_would_be_locked_out_is_left_alone(rehearsal: Rehearsal) -> None:
+    """The firewall would close SSH for the machine that deploys."""
+    variables = json.dumps({"fleet_control_networks": ["192.0.2.0/24"]})
+    run = rehearsal.playbook("deploy", f"--extra-vars={variables}", "--limit=raspberrypi1", check=False)
+    assert "lock itself out" in run.output
+    assert run.recap["raspberrypi1"]["failed"] == 1
+    assert rehearsal.robots[0].run("true") == ""
+
+
 def test_a_second_deploy_changes_nothing(rehearsal: Rehearsal) -> None:
     run = rehearsal.playbook("deploy")
     print(f"second run: {run.seconds:.0f} s")

@@ -1,6 +1,7 @@
 """Updates: rolling, never in a battle, back by themselves."""
 
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -17,28 +18,32 @@ PLATFORMS = "linux/amd64,linux/arm/v7"
 VERSION = ElementTree.parse(ROOT / "laser_bot_battle" / "package.xml").findtext("version")
 
 
-def archive(tag: str, *lines: str) -> Path:
+@contextmanager
+def archive(tag: str, *lines: str) -> Iterator[Path]:
     """An archive with a changed robot image, and the master's as it is."""
-    file = FOLDER / f"{tag}.tar"
-    (FOLDER / f"{tag}.Dockerfile").write_text("\n".join([f"FROM rosberry:{VERSION}", *lines, ""]))
-    docker("build", f"--platform={PLATFORMS}", f"--file={FOLDER / f'{tag}.Dockerfile'}",
-           "--provenance=false", f"--tag=rosberry:{tag}", str(FOLDER / "inventory"))  # fmt: skip
+    file, recipe = FOLDER / f"{tag}.tar", FOLDER / f"{tag}.Dockerfile"
+    recipe.write_text("\n".join([f"FROM rosberry:{VERSION}", *lines, ""]))
+    docker("build", f"--platform={PLATFORMS}", f"--file={recipe}", "--provenance=false", f"--tag=rosberry:{tag}",
+           str(FOLDER / "inventory"))  # fmt: skip
     docker("save", f"--output={file}", f"rosberry:{tag}", f"webserver:{VERSION}")
-    return file
+    docker("image", "rm", f"rosberry:{tag}")
+    try:
+        yield file
+    finally:
+        file.unlink()
+        recipe.unlink()
 
 
 @pytest.fixture(scope="module")
 def better(rehearsal: Rehearsal) -> Iterator[Path]:
-    file = archive("better", "LABEL better=yes")
-    yield file
-    file.unlink()
+    with archive("better", "LABEL better=yes") as file:
+        yield file
 
 
 @pytest.fixture(scope="module")
 def broken(rehearsal: Rehearsal) -> Iterator[Path]:
-    file = archive("broken", 'CMD ["python3", "-m", "robot.no_such_program"]')
-    yield file
-    file.unlink()
+    with archive("broken", 'CMD ["python3", "-m", "robot.no_such_program"]') as file:
+        yield file
 
 
 def images(machines: list[Machine]) -> list[str]:
