@@ -55,16 +55,20 @@ def folder() -> Iterator[Path]:
         yield Path(name)
 
 
-class OfflineEngine:
-    """A second Docker Engine without any network. `store`: whether it has containerd's store (of several platforms)."""
+class SecondEngine:
+    """A second Docker Engine, empty. `store`: whether it has containerd's store (of several platforms).
 
-    def __init__(self, folder: Path, store: bool) -> None:
+    It has no network but, if there is one, the way to a registry `mirror` (host:port) for what is on Docker's own.
+    """
+
+    def __init__(self, folder: Path, store: bool, mirror: str = "") -> None:
         settings = {
             "features": {"containerd-snapshotter": store},
             "exec-opts": ["native.cgroupdriver=cgroupfs"],
             "cgroup-parent": "/laserbot-engine",
             "iptables": False,
             "bridge": "none",
+            "registry-mirrors": [f"http://{mirror}"] if mirror else [],
         }
         (folder / "daemon.json").write_text(json.dumps(settings))
         # short: a socket's path has at most 107 characters
@@ -74,14 +78,14 @@ class OfflineEngine:
         words = ["--config-file", f"{folder}/daemon.json", "--data-root", f"{folder}/data"]
         words += ["--exec-root", f"{run}/exec", "--pidfile", f"{run}/pid", "--host", self.host]
         # its mounts, too, end with it
-        self.program = Program(["unshare", "--net", "--mount", "dockerd", *words])
+        self.program = Program(["unshare", "--mount", *([] if mirror else ["--net"]), "dockerd", *words])
 
     def docker(self, *words: str) -> str:
         result = subprocess.run(["docker", "--host", self.host, *words], capture_output=True, text=True, check=False)
         assert result.returncode == 0, result.stderr
         return result.stdout
 
-    def __enter__(self) -> "OfflineEngine":
+    def __enter__(self) -> "SecondEngine":
         self.program.wait_for("API listen", 30)
         return self
 
@@ -99,7 +103,7 @@ needs_own_engine = pytest.mark.skipif(
 def test_an_archive_carries_every_platform(version: str, folder: Path) -> None:
     archive = folder / "laserbot.tar"
     build(ARCHIVE=str(archive))
-    with OfflineEngine(folder, store=True) as engine:
+    with SecondEngine(folder, store=True) as engine:
         engine.docker("load", "--input", str(archive))
         for image, platforms in PLATFORMS.items():
             for platform in platforms:
@@ -114,6 +118,23 @@ def test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind(versio
         build("rosberry", PLATFORM="linux/arm/v7", ARCHIVE=str(archive))
     finally:
         build("rosberry")  # for all platforms again
-    with OfflineEngine(folder, store=False) as engine:
+    with SecondEngine(folder, store=False) as engine:
         engine.docker("load", "--input", str(archive))
         assert engine.docker("run", "--rm", "--network=none", f"rosberry:{version}", "uname", "-m").strip() == "armv7l"
+
+
+@needs_own_engine
+def test_the_base_is_pulled_where_a_registry_can_be_reached(version: str, registry: str, folder: Path) -> None:
+    """The registry offers what the first engine has as base, under the name that Debian's own image has."""
+    base = docker("image", "ls", "--format", "{{.Repository}}:{{.Tag}}", "localhost/laserbot/base").strip()
+    offered = f"{registry}/library/debian:trixie-slim"
+    docker("tag", base, offered)
+    docker("push", offered)
+    docker("image", "rm", offered)
+    with SecondEngine(folder, store=True, mirror=registry) as engine:
+        environment = {**os.environ, "DOCKER_HOST": engine.host}
+        made = subprocess.run([ROOT / "ci/base"], env=environment, capture_output=True, text=True, check=False)
+        assert (made.returncode, made.stdout.strip(), made.stderr) == (0, base, "")
+        assert engine.docker("image", "inspect", "--format", "{{.Id}}", base) == docker(
+            "image", "inspect", "--format", "{{.Id}}", base
+        )
