@@ -68,6 +68,15 @@ def test_a_bad_name_and_a_taken_name_are_explained(person: Callable[[str], Perso
         eve.log_in()
 
 
+def test_enter_counts_as_soon_as_a_message_is_gone(person: Callable[[str], Person]) -> None:
+    eve = person("Eve")
+    eve.page.locator("#username").fill("no spaces")
+    eve.page.locator("#username").press("Enter")
+    assert "This name does not work" in dialog_of(eve.page)
+    eve.page.evaluate("document.querySelector('dialog').close(); document.querySelector('#login').requestSubmit()")
+    assert "This name does not work" in dialog_of(eve.page)
+
+
 def test_without_a_free_robot_the_login_says_so(person: Callable[[str], Person], battle: Battle) -> None:
     with Player(battle, "Bob"), Player(battle, "Cy"):
         ann = person("Ann")

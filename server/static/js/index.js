@@ -22,14 +22,17 @@ function showAvatar() {
   picture.alt = `Robot picture ${avatar + 1} of ${storage.AVATARS}`;
 }
 
+/** Sign up and go to the battle. The reply, also where the page itself says no. */
 async function logIn() {
   const name = nameField.value.trim();
-  if (!isValidName(name)) return dialogs.show(loginDialog({ status: "BAD_NAME" }));
-  if (!storage.isAvailable()) return dialogs.show(loginDialog({ status: "NO_STORAGE" }));
+  if (!isValidName(name)) return { status: "BAD_NAME" };
+  if (!storage.isAvailable()) return { status: "NO_STORAGE" };
   const reply = await api.signUp(name, avatar).catch(() => ({ status: "NO_ANSWER" }));
-  if (reply.status !== "OK") return dialogs.show(loginDialog(reply));
-  storage.save(reply.user, reply.robot, avatar, new Date());
-  location.assign("/home");
+  if (reply.status === "OK") {
+    storage.save(reply.user, reply.robot, avatar, new Date());
+    location.assign("/home");
+  }
+  return reply;
 }
 
 /** Ask about a player who is still signed in from this browser. What the server does not know any more is forgotten. */
@@ -72,8 +75,10 @@ form.addEventListener("submit", async (event) => {
   event.preventDefault();
   if (busy) return;
   busy = true;
-  await logIn();
-  busy = false;
+  const reply = await logIn();
+  if (reply.status === "OK") return; // busy until the next page is there
+  busy = false; // before the dialog: its end is told late, and Enter must count as soon as it is gone
+  dialogs.show(loginDialog(reply));
 });
 document.getElementById("avatar").addEventListener("click", () => {
   avatar = (avatar + 1) % storage.AVATARS;
