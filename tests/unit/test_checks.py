@@ -132,7 +132,7 @@ def test_the_workflow_runs_what_make_test_runs() -> None:
     runs = [step.get("run", "") for step in steps(load(ROOT / ".github/workflows/ci.yml"))]
     told = set(called.findall("\n".join(runs).replace("make lint", "ci/lint")))
     asked = set(called.findall("\n".join(commands)))
-    assert told >= asked >= {"ci/lint", "ci/test-host", "ci/test-images"}
+    assert told >= asked >= {"ci/lint", "ci/test-host", "ci/test-images", "ci/test-fleet"}
 
 
 def test_the_workflow_runs_every_week() -> None:

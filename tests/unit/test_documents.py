@@ -35,7 +35,6 @@ RUN_BY = {
     "docker compose --profile robot up -d": "tests/images/test_compose_lan.py"
     "::test_a_robot_on_a_serial_device_joins_the_master",
     "make fleet": "ci/test-fleet::ci/fleet up",
-    "ci/test-fleet": ".github/workflows/ci.yml::run: ci/test-fleet",
     "make test": ".ci/run::exec make test",
     "make lint": ".github/workflows/ci.yml::run: make lint",
     "make bench": ".github/workflows/ci.yml::run: make bench",
