@@ -40,7 +40,10 @@ def test_no_command_means_help() -> None:
 
 def start(command: str = "exec sleep 300", **variables: str) -> Program:
     """An engine whose command runs on."""
-    program = Program([ENGINE, "sh", "-c", f"echo at $DOCKER_HOST end; {command}"], {**NO_ENGINE, **variables})
+    # a terminal's programs hear SIGHUP; those of `nohup make test` would not
+    at_a_terminal = ["env", "--default-signal=HUP"]
+    words = [*at_a_terminal, ENGINE, "sh", "-c", f"echo at $DOCKER_HOST end; {command}"]
+    program = Program(words, {**NO_ENGINE, **variables})
     program.wait_for(" end", 120)
     assert processes_of(folder(program.output))
     return program
