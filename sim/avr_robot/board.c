@@ -179,6 +179,8 @@ bool board_init(struct board *board, const struct firmware_image *image, struct 
 	avr->sleep = no_sleep;
 	memcpy(avr->flash, image->flash, image->size);
 	avr->codeend = image->size;
+	avr->reset_pc = avr->pc = image->start;
+	board->run = avr->run;
 	if (!uart_init(&board->uart, avr, trace)) {
 		fputs("avr_robot: this simavr has no UART0\n", stderr);
 		return false;
@@ -191,6 +193,44 @@ bool board_init(struct board *board, const struct firmware_image *image, struct 
 	return true;
 }
 
+/* simavr clears the registers, but those who listen to its ports hear nothing of it. */
+static void finish_reset(struct board *board, uint64_t cycle, const char *cause)
+{
+	avr_t *avr = board->avr;
+
+	avr->cycle = cycle; /* newer versions of simavr count from 0 again */
+	trace_event(board->trace, cycle, "reset %s", cause);
+	for (const char *port = "BD"; *port; port++) {
+		avr_raise_irq(port_irq(avr, *port, IOPORT_IRQ_DIRECTION_ALL), 0);
+		avr_raise_irq(port_irq(avr, *port, IOPORT_IRQ_REG_PORT), 0);
+	}
+	board->sensor_pin->flags |= IRQ_FLAG_INIT; /* the pin's register needs the level, though it has not changed */
+	drive_sensor_pin(board);
+}
+
+void board_reset(struct board *board)
+{
+	avr_t *avr = board->avr;
+	const uint64_t cycle = avr->cycle;
+
+	avr_reset(avr);
+	avr_regbit_set(avr, avr->reset_flags.extrf);
+	finish_reset(board, cycle, "opened");
+	uart_reset(&board->uart);
+}
+
+static int run(struct board *board)
+{
+	avr_t *avr = board->avr;
+	const uint64_t cycle = avr->cycle;
+	const bool reset = avr->run != board->run;
+
+	const int state = avr_run(avr);
+	if (reset)
+		finish_reset(board, cycle, "watchdog");
+	return state;
+}
+
 bool board_run_until(struct board *board, uint64_t cycle)
 {
 	avr_t *avr = board->avr;
@@ -199,7 +239,7 @@ bool board_run_until(struct board *board, uint64_t cycle)
 	uart_keep_going(&board->uart);
 	avr->run_cycle_limit = UNCHECKED_CYCLES; /* a reset of the AVR sets it to 1 */
 	while (avr->cycle < cycle) {
-		const int state = avr_run(avr);
+		const int state = run(board);
 		if (state == cpu_Done || state == cpu_Crashed) {
 			fprintf(stderr, "avr_robot: the firmware %s at address 0x%04" PRIx32 " after %" PRIu64 " cycles\n",
 			        state == cpu_Done ? "has put the AVR to sleep for ever" : "has crashed", avr->pc,

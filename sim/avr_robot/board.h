@@ -31,6 +31,7 @@ struct wheel {
 
 struct board {
 	struct avr_t *avr;
+	void (*run)(struct avr_t *avr); /* simavr's way to run it, unless its watchdog wants a reset */
 	struct trace *trace;
 	struct uart uart;
 	struct port port_b, port_d;
@@ -46,6 +47,9 @@ bool board_init(struct board *board, const struct firmware_image *image, struct 
 
 /* Execute until `cycle` cycles after power-on; false if the program has crashed or stopped. */
 bool board_run_until(struct board *board, uint64_t cycle);
+
+/* The reset that an Uno gets when its serial port is opened; what is on its way to the AVR is lost. */
+void board_reset(struct board *board);
 
 /* Light starts or stops falling on the sensor now. */
 void board_set_light(struct board *board, bool light);

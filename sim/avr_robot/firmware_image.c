@@ -59,7 +59,7 @@ bool firmware_image_read(struct firmware_image *image, const char *path)
 		return false;
 	}
 	memset(image->flash, 0xff, sizeof image->flash);
-	image->size = 0;
+	image->size = image->start = 0;
 	elf_version(EV_CURRENT);
 	Elf *elf = elf_begin(file, ELF_C_READ, NULL);
 	const char *fault = load(image, elf);

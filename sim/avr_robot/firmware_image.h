@@ -9,7 +9,8 @@ enum { FLASH_BYTES = 32 * 1024 }; /* ATmega328P */
 
 struct firmware_image {
 	uint8_t flash[FLASH_BYTES];
-	uint32_t size; /* bytes used from address 0 */
+	uint32_t size;  /* bytes used from address 0 */
+	uint32_t start; /* where the AVR begins after a reset: at 0, or in the boot loader */
 };
 
 /* Read `path` into `image`; false with one line on stderr if it is no program for an ATmega328P. */

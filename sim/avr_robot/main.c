@@ -1,6 +1,7 @@
 /* A virtual robot's hardware in real time: the board, its serial cable, and its contact with the arena. */
 #include "arena_link.h"
 #include "board.h"
+#include "bootloader.h"
 #include "options.h"
 #include "serial_line.h"
 
@@ -52,8 +53,11 @@ static void read_line(struct robot *robot)
 {
 	uint8_t bytes[UART_QUEUE_BYTES];
 	struct uart *uart = &robot->board.uart;
+	const size_t length = robot->line->receive(robot->line, bytes, uart_room(uart));
 
-	uart_receive(uart, bytes, robot->line->receive(robot->line, bytes, uart_room(uart)));
+	if (robot->options->bootloader && robot->line->opened(robot->line))
+		board_reset(&robot->board); /* before the bytes: they may be the opener's */
+	uart_receive(uart, bytes, length);
 }
 
 static void write_line(struct robot *robot)
@@ -125,10 +129,12 @@ int main(int argc, char **argv)
 	sigprocmask(SIG_BLOCK, &end_signals, NULL);
 	signal(SIGPIPE, SIG_IGN);
 
-	if (!image || !firmware_image_read(image, options.firmware) || !board_init(&robot.board, image, &robot.trace))
+	if (!image || !firmware_image_read(image, options.firmware) ||
+	    (options.bootloader && !bootloader_read(image, options.bootloader)) ||
+	    !board_init(&robot.board, image, &robot.trace))
 		return 1;
 	free(image);
-	robot.line = options.tcp ? serial_tcp_open(&options.listen) : serial_pty_open(options.pty_link);
+	robot.line = options.tcp ? serial_tcp_open(&options.listen) : serial_pty_open(options.pty_link, options.bootloader);
 	if (!robot.line)
 		return 2;
 	if (options.arena && !(robot.arena = arena_link_start(&options.arena_address, options.name)))

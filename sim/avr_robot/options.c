@@ -8,7 +8,8 @@
 #include <unistd.h>
 
 static const char usage[] =
-	"usage: avr_robot --firmware ELF --name NAME (--serial PATH | --tcp [HOST:]PORT) [--arena HOST:PORT] [--trace]\n"
+	"usage: avr_robot --firmware ELF --name NAME (--serial PATH | --tcp [HOST:]PORT) [--bootloader HEX]\n"
+	"                 [--arena HOST:PORT] [--trace]\n"
 	"\n"
 	"A robot's Arduino Uno with its motors, infrared emitter and sensor, running the real firmware in real time.\n"
 	"\n"
@@ -17,11 +18,14 @@ static const char usage[] =
 	"  --serial PATH       the Uno's serial port: a pseudo terminal behind the symlink PATH, removed at exit\n"
 	"  --tcp [HOST:]PORT   or the serial port on TCP: one client at a time, the newest wins; HOST is 127.0.0.1 unless\n"
 	"                      given (0.0.0.0 = everywhere), port 0 picks a free one\n"
+	"  --bootloader HEX    boot loader in Intel HEX, such as optiboot: the AVR starts in it, and avrdude can write\n"
+	"                      another program through the serial port; that one stays until avr_robot ends\n"
 	"  --arena HOST:PORT   link to the arena that moves the robot and lights its sensor; reconnects for ever\n"
 	"  --trace             print hardware events on stdout: <monotonic ns> <AVR cycles> <event>\n"
 	"  --help              this text\n"
 	"\n"
-	"Unlike a real Uno, the virtual one does not reset when its serial port is opened.\n";
+	"Unlike a real Uno, the virtual one does not reset when its serial port is opened, unless it has a boot loader.\n"
+	"Then every opening resets it: a real Uno can be spared by clearing HUPCL, but that does not come through here.\n";
 
 __attribute__((noreturn, format(printf, 1, 2))) static void refuse(const char *format, ...)
 {
@@ -66,6 +70,8 @@ static void check(const struct options *options)
 		refuse("--firmware is missing");
 	if (access(options->firmware, R_OK) != 0)
 		refuse("no readable firmware at %s; build it with: make -C firmware", options->firmware);
+	if (options->bootloader && access(options->bootloader, R_OK) != 0)
+		refuse("no readable boot loader at %s; build one with: make -C sim optiboot", options->bootloader);
 	if (!options->name)
 		refuse("--name is missing");
 	const size_t length = strlen(options->name);
@@ -78,10 +84,15 @@ static void check(const struct options *options)
 struct options options_parse(int argc, char **argv)
 {
 	static const struct option known[] = {
-		{"firmware", required_argument, NULL, 'f'}, {"name", required_argument, NULL, 'n'},
-		{"serial", required_argument, NULL, 's'},   {"tcp", required_argument, NULL, 't'},
-		{"arena", required_argument, NULL, 'a'},    {"trace", no_argument, NULL, 'T'},
-		{"help", no_argument, NULL, 'h'},           {NULL, 0, NULL, 0},
+		{"firmware", required_argument, NULL, 'f'},
+		{"bootloader", required_argument, NULL, 'b'},
+		{"name", required_argument, NULL, 'n'},
+		{"serial", required_argument, NULL, 's'},
+		{"tcp", required_argument, NULL, 't'},
+		{"arena", required_argument, NULL, 'a'},
+		{"trace", no_argument, NULL, 'T'},
+		{"help", no_argument, NULL, 'h'},
+		{NULL, 0, NULL, 0},
 	};
 	struct options options = {0};
 	int choice;
@@ -90,6 +101,7 @@ struct options options_parse(int argc, char **argv)
 	while ((choice = getopt_long(argc, argv, ":", known, NULL)) != -1) {
 		switch (choice) {
 		case 'f': options.firmware = optarg; break;
+		case 'b': options.bootloader = optarg; break;
 		case 'n': options.name = optarg; break;
 		case 's': options.pty_link = optarg; break;
 		case 't':

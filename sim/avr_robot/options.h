@@ -13,6 +13,7 @@ struct address {
 
 struct options {
 	const char *firmware;
+	const char *bootloader; /* Intel HEX, or NULL */
 	const char *name;
 	const char *pty_link;  /* path of the UART's symlink, or NULL */
 	bool tcp;              /* UART on a TCP port: */

@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/inotify.h>
 #include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
@@ -14,6 +15,7 @@ struct serial_pty {
 	int master;
 	int slave;        /* kept open: without any slave the master reports errors and loses the terminal's settings */
 	char device[64];  /* /dev/pts/N */
+	int openings;     /* inotify, or -1 */
 	char *link;       /* NULL until it exists */
 };
 
@@ -23,6 +25,26 @@ static size_t pty_receive(struct serial_line *line, uint8_t *bytes, size_t size)
 	const ssize_t length = read(pty->master, bytes, size);
 
 	return length > 0 ? (size_t)length : 0;
+}
+
+/* On the device itself, so that it does not matter by which path or in which container it is opened. */
+static bool watch_openings(struct serial_pty *pty)
+{
+	pty->openings = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
+	return pty->openings >= 0 && inotify_add_watch(pty->openings, pty->device, IN_OPEN) >= 0;
+}
+
+static bool pty_opened(struct serial_line *line)
+{
+	const struct serial_pty *pty = (struct serial_pty *)line;
+	_Alignas(struct inotify_event) char events[1024];
+	bool opened = false;
+
+	while (read(pty->openings, events, sizeof events) > 0)
+		opened = true;
+	if (opened)
+		tcflush(pty->slave, TCIFLUSH); /* the last words of before are not for the opener */
+	return opened;
 }
 
 static void pty_transmit(struct serial_line *line, const uint8_t *bytes, size_t length)
@@ -47,6 +69,8 @@ static void pty_close(struct serial_line *line)
 			unlink(pty->link);
 	}
 	free(pty->link);
+	if (pty->openings >= 0)
+		close(pty->openings);
 	if (pty->slave >= 0)
 		close(pty->slave);
 	if (pty->master >= 0)
@@ -95,20 +119,26 @@ static bool open_terminal(struct serial_pty *pty)
 	return tcsetattr(pty->slave, TCSANOW, &settings) == 0;
 }
 
-struct serial_line *serial_pty_open(const char *link)
+struct serial_line *serial_pty_open(const char *link, bool watched)
 {
 	struct serial_pty *pty = calloc(1, sizeof *pty);
 
 	if (!pty)
 		return NULL;
 	*pty = (struct serial_pty){
-		.line = {.receive = pty_receive, .transmit = pty_transmit, .close = pty_close},
+		.line = {.receive = pty_receive, .opened = pty_opened, .transmit = pty_transmit, .close = pty_close},
 		.master = -1,
 		.slave = -1,
+		.openings = -1,
 	};
 	snprintf(pty->line.address, sizeof pty->line.address, "%s", link);
 	if (!open_terminal(pty)) {
 		fprintf(stderr, "avr_robot: cannot open a pseudo terminal: %s\n", strerror(errno));
+		pty_close(&pty->line);
+		return NULL;
+	}
+	if (watched && !watch_openings(pty)) {
+		fprintf(stderr, "avr_robot: cannot watch the pseudo terminal: %s\n", strerror(errno));
 		pty_close(&pty->line);
 		return NULL;
 	}

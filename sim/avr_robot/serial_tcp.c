@@ -15,6 +15,7 @@ struct serial_tcp {
 	struct serial_line line;
 	int listener;
 	int client; /* -1: nobody */
+	bool fresh; /* a client has come and opened() has not told yet */
 };
 
 static void drop_client(struct serial_tcp *tcp)
@@ -33,6 +34,7 @@ static void accept_clients(struct serial_tcp *tcp)
 	while ((client = accept4(tcp->listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC)) >= 0) {
 		drop_client(tcp);
 		tcp->client = client;
+		tcp->fresh = true;
 		setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
 	}
 }
@@ -52,6 +54,15 @@ static size_t tcp_receive(struct serial_line *line, uint8_t *bytes, size_t size)
 	if (length == 0 || (length < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR))
 		drop_client(tcp);
 	return length > 0 ? (size_t)length : 0;
+}
+
+static bool tcp_opened(struct serial_line *line)
+{
+	struct serial_tcp *tcp = (struct serial_tcp *)line;
+	const bool opened = tcp->fresh;
+
+	tcp->fresh = false;
+	return opened;
 }
 
 static void tcp_transmit(struct serial_line *line, const uint8_t *bytes, size_t length)
@@ -109,7 +120,7 @@ struct serial_line *serial_tcp_open(const struct address *listen_at)
 	if (!tcp)
 		return NULL;
 	*tcp = (struct serial_tcp){
-		.line = {.receive = tcp_receive, .transmit = tcp_transmit, .close = tcp_close},
+		.line = {.receive = tcp_receive, .opened = tcp_opened, .transmit = tcp_transmit, .close = tcp_close},
 		.listener = -1,
 		.client = -1,
 	};

@@ -115,6 +115,12 @@ void uart_receive(struct uart *uart, const uint8_t *bytes, size_t length)
 		start_line(uart);
 }
 
+void uart_reset(struct uart *uart)
+{
+	uart->queue_length = 0;
+	uart->line_busy = false;
+}
+
 void uart_keep_going(struct uart *uart)
 {
 	if (!uart->line_busy || avr_cycle_timer_status(uart->avr, byte_ended, uart) != 0)

@@ -44,6 +44,9 @@ size_t uart_room(const struct uart *uart);
 /* Queue `length` <= uart_room() bytes for the AVR. */
 void uart_receive(struct uart *uart, const uint8_t *bytes, size_t length);
 
+/* Forget what is on its way to the AVR. */
+void uart_reset(struct uart *uart);
+
 /* An AVR reset forgets simavr's timers: call regularly to restart a line that got stuck so. */
 void uart_keep_going(struct uart *uart);
 

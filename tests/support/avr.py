@@ -16,6 +16,7 @@ from tests.support.programs import ROOT, Program
 
 FIRMWARE = ROOT / "build/firmware/laserbot.elf"
 AVR_ROBOT = ROOT / "build/sim/avr_robot"
+OPTIBOOT = ROOT / "build/sim/optiboot.hex"
 CYCLES_PER_SECOND = 16_000_000
 
 REQUEST_TOPICS = bytes.fromhex("ff fe 00 00 ff 00 00 ff")
@@ -27,9 +28,9 @@ TIME_ID = 10
 
 @functools.cache
 def build() -> None:
-    """Build the firmware and the simulator; quick when they are up to date."""
-    for folder in ("firmware", "sim"):
-        subprocess.run(["make", "-s", "-C", ROOT / folder], check=True, stdout=subprocess.DEVNULL)
+    """Build the firmware, the simulator and its boot loader; quick when they are up to date."""
+    for goals in (["firmware"], ["sim", "all", "optiboot"]):
+        subprocess.run(["make", "-s", "-C", *goals], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
 
 
 def frame(topic_id: int, payload: bytes = b"") -> bytes:
@@ -74,10 +75,12 @@ class Event(NamedTuple):
 class AvrRobot:
     """A running avr_robot with a trace. Its events are parsed as they come."""
 
-    def __init__(self, *uart: str | Path, name: str = "virtual0", arena: str | None = None) -> None:
+    def __init__(
+        self, *uart: str | Path, name: str = "virtual0", arena: str | None = None, firmware: Path = FIRMWARE
+    ) -> None:
         build()
         link = ["--arena", arena] if arena else []
-        arguments = ["--firmware", FIRMWARE, "--name", name, *uart, *link, "--trace"]
+        arguments = ["--firmware", firmware, "--name", name, *uart, *link, "--trace"]
         self.program = Program([str(word) for word in [AVR_ROBOT, *arguments]])
         self._parsed = 0
         self._events: list[Event] = []
@@ -141,9 +144,11 @@ class AvrRobot:
 
 
 @contextlib.contextmanager
-def avr_robot(*uart: str | Path, name: str = "virtual0", arena: str | None = None) -> Iterator[AvrRobot]:
+def avr_robot(
+    *uart: str | Path, name: str = "virtual0", arena: str | None = None, firmware: Path = FIRMWARE
+) -> Iterator[AvrRobot]:
     """An AvrRobot for a while; it must end cleanly."""
-    robot = AvrRobot(*uart, name=name, arena=arena)
+    robot = AvrRobot(*uart, name=name, arena=arena, firmware=firmware)
     try:
         yield robot
         robot.stop()
