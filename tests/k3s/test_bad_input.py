@@ -50,17 +50,17 @@ def container_of(workload: Object, name: str) -> tuple[Object, Object]:
 
 
 @pytest.mark.parametrize(
-    ("setting", "words"),
+    ("name", "setting", "words"),
     [
-        ("LASERBOT_HIT_DAMAGE=lots", "LASERBOT_HIT_DAMAGE=lots: must be a whole number from 1 to 100"),
-        ("LASERBOT_ROSTER=raspberrypi1", "'raspberrypi1' is not name=ID with an ID from 0 to 127"),
-        ("LASERBOT_LOG_LEVEL=loud", "LASERBOT_LOG_LEVEL=loud: must be one of debug, info, warning, error"),
+        ("settings", "LASERBOT_HIT_DAMAGE=lots", "LASERBOT_HIT_DAMAGE=lots: must be a whole number from 1 to 100"),
+        ("settings", "LASERBOT_ROSTER=raspberrypi1", "'raspberrypi1' is not name=ID with an ID from 0 to 127"),
+        ("logging", "LASERBOT_LOG_LEVEL=loud", "LASERBOT_LOG_LEVEL=loud: must be one of debug, info, warning, error"),
     ],
 )
 def test_a_wrong_value_in_the_kustomization_is_named_by_the_program(
-    customize: Customize, setting: str, words: str
+    customize: Customize, name: str, setting: str, words: str
 ) -> None:
-    generator = {"name": "settings", "namespace": "laserbot", "behavior": "merge", "literals": [setting]}
+    generator = {"name": name, "namespace": "laserbot", "behavior": "merge", "literals": [setting]}
     manifests = customize("lan", configMapGenerator=[generator]).within("laserbot")
     pod, web = container_of(manifests.one("Deployment", "master"), "web")
     kubelet = Kubelet(manifests, pod, {"status.podIP": "127.0.0.1"}, {})

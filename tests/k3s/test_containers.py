@@ -174,7 +174,7 @@ def test_its_resources_are_bounded(started: Started) -> None:
 
 
 def test_the_rules_of_the_base_are_the_programs_defaults() -> None:
-    (settings,) = overlay("lan").of("ConfigMap")
+    settings = overlay("lan").config("settings")
     (web,) = [container for _, container in overlay("lan").containers if container["name"] == "web"]
     read = ProgramSettings(web["command"], settings["data"])
     assert read.settings is not None
@@ -184,7 +184,7 @@ def test_the_rules_of_the_base_are_the_programs_defaults() -> None:
 
 
 def test_virtual_robots_have_the_ids_that_are_painted_on_them() -> None:
-    (settings,) = overlay("sim").of("ConfigMap")
+    settings = overlay("sim").config("settings")
     (web,) = [container for _, container in overlay("sim").containers if container["name"] == "web"]
     read = ProgramSettings(web["command"], settings["data"])
     assert read.settings is not None

@@ -87,7 +87,7 @@ def test_the_page_is_told_the_ports_of_the_nodes() -> None:
                 if "nodePort" in port
             }
             assert set(node_ports) == {"web", "rosbridge", "view"}
-            (settings,) = here.of("ConfigMap")
+            settings = here.config("settings")
             (web,) = [container for _, container in here.containers if container["name"] == "web"]
             told = ProgramSettings(web["command"], settings["data"]).settings
             assert told is not None
@@ -110,7 +110,7 @@ def test_on_a_lan_pages_and_nodes_have_the_hosts_addresses() -> None:
     here = overlay("lan")
     for workload in here.workloads:
         assert workload["spec"]["template"]["spec"]["hostNetwork"]
-    (settings,) = here.of("ConfigMap")
+    settings = here.config("settings")
     (web,) = [container for _, container in here.containers if container["name"] == "web"]
     (rosbridge,) = [container for _, container in here.containers if container["name"] == "rosbridge"]
     told = ProgramSettings(web["command"], settings["data"]).settings

@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 from pathlib import Path
 
 import kubernetes_validate
@@ -41,6 +42,27 @@ def test_every_object_fits_the_schemas_of_kubernetes(manifests: Manifests, kuber
 def test_the_schemas_cover_the_versions_that_k3s_ships() -> None:
     assert VERSIONS[0].startswith("1.32.")
     assert len(VERSIONS) >= 4
+
+
+def test_the_optional_parts_of_lan_may_be_uncommented(tmp_path: Path, customize: Customize) -> None:
+    shutil.copytree(ROOT / "k3s", tmp_path / "k3s")
+    file = tmp_path / "k3s/overlays/lan/kustomization.yaml"
+    text, lines = re.subn(r"^# (components:|  - )", r"\1", file.read_text(), flags=re.MULTILINE)
+    assert lines == 3
+    file.write_text(text)
+    assert specs(Manifests(file.parent)) == specs(customize("lan", "kept-data", "device-plugin"))
+
+
+def specs(manifests: Manifests) -> list[tuple[object, ...]]:
+    return [
+        (item["kind"], item["metadata"]["name"], item["metadata"].get("namespace"), item.get("spec"))
+        for item in manifests.objects
+    ]
+
+
+@pytest.mark.parametrize("component", ["kept-data", "device-plugin"])
+def test_each_optional_part_of_lan_is_in_a_namespace_that_is_made_with_it(customize: Customize, component: str) -> None:
+    test_every_object_is_in_a_namespace_that_is_made_with_it(customize("lan", component))
 
 
 @pytest.mark.parametrize("component", ["kept-data", "device-plugin"])
@@ -132,7 +154,7 @@ def test_arenas_differ_in_nothing_but_namespace_and_ports() -> None:
 
     def neutral(namespace: str) -> str:
         text = str(both.within(namespace).objects).replace(namespace, "NAMESPACE")
-        text = re.sub(r"settings-[a-z0-9]{10}", "SETTINGS", text)
+        text = re.sub(r"(settings|logging)-[a-z0-9]{10}", r"\1", text)
         return re.sub(r"\b3\d{4}\b", "PORT", text)
 
     assert neutral(names[0]) == neutral(names[1])
@@ -153,7 +175,7 @@ def test_the_readmes_example_changes_what_it_says(tmp_path: Path) -> None:
     example["resources"] = [os.path.relpath(ROOT / "k3s/overlays/lan", tmp_path)]
     (tmp_path / "kustomization.yaml").write_text(yaml.safe_dump(example))
     changed = Manifests(tmp_path)
-    (settings,) = changed.of("ConfigMap")
+    settings = changed.config("settings")
     assert settings["data"]["LASERBOT_BATTLE_LIMIT"] == "600"
     assert "raspberrypi3=3" in settings["data"]["LASERBOT_ROSTER"]
-    assert all(container["image"].startswith("laser-bot-master.local:5443/") for _, container in changed.containers)
+    assert all(container["image"].startswith("192.168.1.20:5000/") for _, container in changed.containers)

@@ -43,6 +43,11 @@ class Manifests:
         (item,) = [item for item in self.of(kind) if item["metadata"]["name"] == name]
         return item
 
+    def config(self, name: str) -> Object:
+        """A ConfigMap, whose name is followed by a checksum."""
+        (item,) = [item for item in self.of("ConfigMap") if item["metadata"]["name"].rpartition("-")[0] == name]
+        return item
+
     @property
     def workloads(self) -> list[Object]:
         return self.of(*WORKLOADS)
