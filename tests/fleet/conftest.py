@@ -5,12 +5,12 @@ from collections.abc import Iterator
 import pytest
 
 from tests.support.player import Player
-from tests.support.rehearsal import FOLDER, Rehearsal
+from tests.support.rehearsal import INVENTORY, Rehearsal
 
 
 @pytest.fixture(scope="session")
 def rehearsal() -> Rehearsal:
-    if not (FOLDER / "hosts.json").exists():
+    if not INVENTORY.exists():
         pytest.fail("no fleet is up: make fleet")
     return Rehearsal()
 

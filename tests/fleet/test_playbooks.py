@@ -2,12 +2,17 @@
 
 import json
 import re
+import subprocess
+from pathlib import Path
 
+import pytest
 from websockets.sync.client import connect
 
 from tests.support.fleet import Machine
+from tests.support.play import obeys, start
+from tests.support.player import Eyes, Player
 from tests.support.polling import until
-from tests.support.rehearsal import Rehearsal
+from tests.support.rehearsal import Rehearsal, docker, outside
 
 
 def test_the_operators_checks_pass(rehearsal: Rehearsal) -> None:
@@ -44,13 +49,16 @@ def test_one_changed_knob_changes_one_service_and_no_secret_is_printed(rehearsal
     run = rehearsal.playbook("deploy", "--extra-vars=master_hit_damage=39", "--diff")
     assert run.changed == 1, run.output
     assert changed_tasks(run.output) == ["docker : Run the container laserbot-web"]
-    token = rehearsal.master.run("cat /etc/laserbot/operator-token").strip()
-    assert token
-    assert token not in run.output
+    for secret in (
+        rehearsal.master.run("cat /etc/laserbot/operator-token").strip(),
+        rehearsal.master.registry_password,
+    ):
+        assert secret
+        assert secret not in run.output
     after = {machine.name: started(machine) for machine in rehearsal.machines.values()}
     for name, services in before.items():
-        for service, start in services.items():
-            assert (after[name][service] == start) == (service != "laserbot-web"), service
+        for service, since in services.items():
+            assert (after[name][service] == since) == (service != "laserbot-web"), service
     assert rehearsal.playbook("deploy").changed == 1
     rehearsal.wait_until_complete()
 
@@ -68,6 +76,36 @@ def test_the_operators_token_opens_rosbridge(rehearsal: Rehearsal) -> None:
     token = rehearsal.master.run("cat /etc/laserbot/operator-token").strip()
     for mac, allowed in ((token, True), ("wrong", False)):
         assert may_call_any_service(rehearsal, mac) == allowed
+
+
+@pytest.fixture
+def idle(tmp_path: Path) -> Path:
+    """A program for the Arduino that does nothing."""
+    program = tmp_path / "idle.elf"
+    build = ["avr-gcc", "-mmcu=atmega328p", "-x", "c", "-", "-o", str(program)]
+    subprocess.run(build, input="int main(void) { for (;;); }", text=True, check=True)
+    return program
+
+
+def test_an_arduino_without_the_firmware_gets_it(rehearsal: Rehearsal, idle: Path) -> None:
+    """By the real boot loader. A virtual Arduino has no number that would tell that it is another."""
+    robot = rehearsal.robots[0]
+    program = "/opt/virtual-arduino/opt/laserbot/firmware/laserbot.elf"
+    robot.run(f"cp {program} {program}.kept")
+    try:
+        docker("cp", str(idle), f"{outside(robot)}:{program}")
+        robot.run("rm /etc/laserbot/firmware.json")
+        robot.run("systemctl restart virtual-arduino")
+        until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 30, "its robot is gone")
+        run = rehearsal.playbook("deploy", f"--limit={robot.name}")
+    finally:
+        robot.run(f"mv {program}.kept {program}")
+    assert changed_tasks(run.output) == ["firmware : Write and verify the firmware", "firmware : Note what was flashed"]
+    rehearsal.wait_until_complete()
+    with Player(rehearsal, "Ann") as ann, Player(rehearsal, "Bob") as bob, Eyes(rehearsal) as eyes:
+        assert ann.robot == 1
+        start(ann, bob)
+        obeys(ann, eyes)
 
 
 def started(machine: Machine) -> dict[str, str]:

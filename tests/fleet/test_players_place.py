@@ -1,6 +1,7 @@
 """What a player's laptop, in the same LAN as the fleet, can reach: the game, and nothing else."""
 
 import json
+import shlex
 
 from tests.support.fleet import Machine
 from tests.support.rehearsal import Rehearsal, ask_from
@@ -39,6 +40,25 @@ def test_a_player_reaches_the_game_and_nothing_else(rehearsal: Rehearsal) -> Non
         [machine.address, port] for machine in rehearsal.machines.values() for port in sorted(OPEN[machine.group])
     ]
     assert sorted(found) == sorted(wanted)
+
+
+ASK_FOR_THE_TIME = """
+import socket
+with socket.socket(type=socket.SOCK_DGRAM) as s:
+    s.settimeout(2)
+    s.sendto(bytes([0x23]) + bytes(47), ({address!r}, 123))
+    try:
+        print(len(s.recv(100)))
+    except TimeoutError:
+        print("silence")
+"""
+
+
+def test_a_player_is_not_told_the_time_as_robots_are(rehearsal: Rehearsal) -> None:
+    """The firewall knows UDP, too."""
+    ask = ASK_FOR_THE_TIME.format(address=rehearsal.master.address)
+    assert ask_from("laserbot-fleet", ask).strip() == "silence"
+    assert rehearsal.robots[0].run(f"python3 -c {shlex.quote(ask)}").strip() == "48"
 
 
 def test_the_robots_reach_the_ros_master_and_the_registry(rehearsal: Rehearsal) -> None:

@@ -1,7 +1,11 @@
 """A deployed fleet: its hosts over SSH, and the battle that is played on it."""
 
+import base64
+import contextlib
 import functools
 import json
+import socket
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -9,7 +13,6 @@ from typing import Any
 import testinfra
 from testinfra.host import Host
 
-MASTER = "laser_bot_master"
 SERVICES = {"master": ["laserbot-rosmaster", "laserbot-rosbridge", "laserbot-web"], "robots": ["laserbot-robot"]}
 
 
@@ -43,18 +46,30 @@ class Machine:
         assert result.rc == 0, f"{self.name}: {command}: {result.stdout}{result.stderr}"
         return str(result.stdout)
 
+    @property
+    def registry_password(self) -> str:
+        """The one that its engine has been given."""
+        entry = json.loads(self.run("cat /root/.docker/config.json"))["auths"]["laser-bot-master.local:5443"]
+        return base64.b64decode(entry["auth"]).decode().partition(":")[2]
+
     def container(self, service: str) -> dict[str, Any]:
         """What the engine says of a container."""
         return dict(json.loads(self.run(f"docker inspect {service}"))[0])
 
 
 class Fleet:
-    """The hosts that a file names (written by ci/fleet-hosts or ansible/check.yml), and where the battle is."""
+    """A master and robots, and where the battle is."""
 
-    def __init__(self, file: Path) -> None:
-        self.machines = {name: Machine(name, **host) for name, host in json.loads(file.read_text()).items()}
-        self.master = self.machines[MASTER]
+    def __init__(self, machines: Iterable[Machine]) -> None:
+        self.machines = {machine.name: machine for machine in machines}
+        (self.master,) = (machine for machine in self.machines.values() if machine.group == "master")
         self.robots = [machine for machine in self.machines.values() if machine.group == "robots"]
+
+    @classmethod
+    def read(cls, file: Path) -> "Fleet":
+        """The fleet that ansible/check.yml has written down; addresses may be names that this machine knows."""
+        hosts = json.loads(file.read_text()).items()
+        return cls(Machine(name, **host | {"address": resolved(host["address"])}) for name, host in hosts)
 
     @property
     def web(self) -> str:
@@ -63,3 +78,10 @@ class Fleet:
     @property
     def bridge(self) -> str:
         return f"ws://{self.master.address}:9090"
+
+
+def resolved(name: str) -> str:
+    """The address of that name; of a host that is off, the name itself."""
+    with contextlib.suppress(OSError):
+        return socket.gethostbyname(name)
+    return name

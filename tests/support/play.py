@@ -2,6 +2,8 @@
 
 import contextlib
 import math
+import threading
+from collections.abc import Iterator
 
 from websockets.exceptions import WebSocketException
 
@@ -38,6 +40,25 @@ def obeys(player: Player, eyes: Eyes, seconds: float = 30.0) -> None:
 
     until(turned, seconds, f"robot {player.robot} obeys {player.name}")
     player.drive()
+
+
+@contextlib.contextmanager
+def keeps_turning(player: Player) -> Iterator[None]:
+    """A page whose player holds a key: 25 commands/s, as long as its connection lasts."""
+    released = threading.Event()
+
+    def hold() -> None:
+        with contextlib.suppress(WebSocketException, OSError):
+            while not released.wait(0.04):
+                player.drive(angular=1)
+
+    thread = threading.Thread(target=hold)
+    thread.start()
+    try:
+        yield
+    finally:
+        released.set()
+        thread.join()
 
 
 def stands_still(player: Player, eyes: Eyes, seconds: float = 5.0) -> None:

@@ -8,12 +8,15 @@ from collections.abc import Iterator
 from typing import Self
 
 import requests
+import yaml
 
 from tests.support.fleet import Fleet, Machine
 from tests.support.polling import until
 from tests.support.programs import ROOT, Program
 
 FOLDER = ROOT / "build" / "fleet"
+INVENTORY = FOLDER / "inventory" / "hosts.yml"
+SSH = f"-i {FOLDER / 'key'} -o UserKnownHostsFile={FOLDER / 'known_hosts'}"
 ARENA = "10.217.0.2"
 
 
@@ -30,7 +33,12 @@ class Rehearsal(Fleet):
     view = f"ws://{ARENA}:8080/view"
 
     def __init__(self) -> None:
-        super().__init__(FOLDER / "hosts.json")
+        groups = yaml.safe_load(INVENTORY.read_text())
+        super().__init__(
+            Machine(name, group, host["ansible_host"], "pi", SSH)
+            for group in ("master", "robots")
+            for name, host in groups[group]["hosts"].items()
+        )
 
     def playbook(self, name: str, *arguments: str, check: bool = True) -> "Playbook":
         """Runs a playbook as the operator does."""

@@ -1,20 +1,18 @@
 """For the checks of a deployed fleet, real or rehearsed: each runs on every host that it concerns; a table sums up."""
 
-import os
 from collections import defaultdict
-from pathlib import Path
 
 import pytest
 
 from tests.support.fleet import Fleet
 from tests.support.programs import ROOT
 
-HOSTS = Path(os.environ.get("FLEET_HOSTS") or ROOT / "build" / "fleet" / "hosts.json")
+HOSTS = ROOT / "build" / "fleet-hosts.json"  # ansible/check.yml writes it
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """A test with the argument machine, master or robot runs once for each host of that kind."""
-    machines = Fleet(HOSTS).machines.values() if HOSTS.exists() else []
+    machines = Fleet.read(HOSTS).machines.values()
     for argument, group in {"machine": None, "master": "master", "robot": "robots"}.items():
         if argument in metafunc.fixturenames:
             chosen = [machine for machine in machines if group in (None, machine.group)]
@@ -23,7 +21,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @pytest.fixture(scope="session")
 def fleet() -> Fleet:
-    return Fleet(HOSTS)
+    return Fleet.read(HOSTS)
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

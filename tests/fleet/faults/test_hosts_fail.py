@@ -3,10 +3,10 @@
 from collections.abc import Callable
 
 from tests.support.fleet import Machine
-from tests.support.play import STOPPED, start
-from tests.support.player import Player
+from tests.support.play import STOPPED, keeps_turning, obeys, stands_still, start
+from tests.support.player import Eyes, Player
 from tests.support.polling import until
-from tests.support.rehearsal import Rehearsal, power_off, power_on
+from tests.support.rehearsal import Rehearsal, cut, power_off, power_on
 
 Measured = Callable[[str], None]
 
@@ -15,8 +15,16 @@ def robot_of(rehearsal: Rehearsal, player: Player) -> Machine:
     return rehearsal.machines[f"raspberrypi{player.robot}"]
 
 
-def test_the_master_loses_its_power(rehearsal: Rehearsal, measured: Measured) -> None:
-    power_off(rehearsal.master)
+def test_the_master_loses_its_power_in_a_battle(rehearsal: Rehearsal, measured: Measured) -> None:
+    with Player(rehearsal, "Ann") as ann, Player(rehearsal, "Bob") as bob, Eyes(rehearsal) as eyes:
+        start(ann, bob)
+        obeys(ann, eyes)
+        # a plug takes no leave: no connection is closed
+        with keeps_turning(ann), cut(rehearsal.master):
+            measured("")
+            stands_still(ann, eyes)
+            measured("the wheels stand still")
+        power_off(rehearsal.master)
     power_on(rehearsal.master)
     measured("")
     until(lambda: rehearsal.available() >= 0, 120, "the server answers")

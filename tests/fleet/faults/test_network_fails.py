@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.support.play import PLAYING, obeys, stands_still, start
+from tests.support.play import PLAYING, keeps_turning, obeys, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, cut
@@ -43,8 +43,7 @@ def test_a_robots_network_is_cut_for_longer(
     with Eyes(rehearsal) as eyes:
         start(ann, bob)
         obeys(ann, eyes)
-        ann.drive(angular=1)
-        with cut(rehearsal.machines[f"raspberrypi{ann.robot}"]):
+        with keeps_turning(ann), cut(rehearsal.machines[f"raspberrypi{ann.robot}"]):
             measured("")
             stands_still(ann, eyes)
             measured("the wheels stand still")
@@ -100,3 +99,23 @@ def test_a_second_master_appears(rehearsal: Rehearsal, measured: Measured) -> No
         impostor.run("systemctl restart avahi-daemon")
     until(lambda: impostor.name in rehearsal.master.run(f"avahi-resolve --address {impostor.address}"), 30)
     measured("the names are as before")
+
+
+def test_the_master_comes_back_when_another_has_its_name(rehearsal: Rehearsal, measured: Measured) -> None:
+    """It has no name until the other one leaves, and then both of its names again."""
+    impostor, robot = rehearsal.robots[-1], rehearsal.robots[0]
+    rehearsal.master.run("systemctl stop avahi-daemon.socket avahi-daemon")
+    impostor.run("avahi-set-host-name laser_bot_master")
+    try:
+        rehearsal.master.run("systemctl start avahi-daemon")
+        until(lambda: "laser_bot_master-2" in robot.run(f"avahi-resolve --address {rehearsal.master.address}"), 30)
+        assert robot.host.run("avahi-resolve --name laser-bot-master.local").stdout == "", (
+            "an alias of another's address"
+        )
+    finally:
+        impostor.run("systemctl restart avahi-daemon")
+    measured("")
+    for name in ("laser_bot_master.local", "laser-bot-master.local"):
+        until(lambda n=name: rehearsal.master.address in robot.host.run(f"getent ahostsv4 {n}").stdout, 60, name)
+    measured("both names are the master's again")
+    rehearsal.wait_until_complete(60)

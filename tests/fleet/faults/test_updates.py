@@ -1,5 +1,7 @@
 """Updates: rolling, never in a battle, back by themselves."""
 
+import json
+import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,22 +13,23 @@ from tests.support.fleet import Machine
 from tests.support.play import PLAYING, obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.programs import ROOT
-from tests.support.rehearsal import FOLDER, Rehearsal, docker
+from tests.support.rehearsal import FOLDER, Playbook, Rehearsal, docker
 
 Measured = Callable[[str], None]
-PLATFORMS = "linux/amd64,linux/arm/v7"
 VERSION = ElementTree.parse(ROOT / "laser_bot_battle" / "package.xml").findtext("version")
+PLATFORMS = {"webserver": "linux/amd64", "rosberry": "linux/amd64,linux/arm/v7"}
 
 
 @contextmanager
-def archive(tag: str, *lines: str) -> Iterator[Path]:
-    """An archive with a changed robot image, and the master's as it is."""
+def archive(tag: str, changed: str, *lines: str) -> Iterator[Path]:
+    """An archive in which one image is changed by these lines of a Dockerfile, and the other as it is."""
+    (other,) = PLATFORMS.keys() - {changed}
     file, recipe = FOLDER / f"{tag}.tar", FOLDER / f"{tag}.Dockerfile"
-    recipe.write_text("\n".join([f"FROM rosberry:{VERSION}", *lines, ""]))
-    docker("build", f"--platform={PLATFORMS}", f"--file={recipe}", "--provenance=false", f"--tag=rosberry:{tag}",
-           str(FOLDER / "inventory"))  # fmt: skip
-    docker("save", f"--output={file}", f"rosberry:{tag}", f"webserver:{VERSION}")
-    docker("image", "rm", f"rosberry:{tag}")
+    recipe.write_text("\n".join([f"FROM {changed}:{VERSION}", *lines, ""]))
+    docker("build", f"--platform={PLATFORMS[changed]}", f"--file={recipe}", "--provenance=false",
+           f"--tag={changed}:{tag}", str(FOLDER / "inventory"))  # fmt: skip
+    docker("save", f"--output={file}", f"{changed}:{tag}", f"{other}:{VERSION}")
+    docker("image", "rm", f"{changed}:{tag}")
     try:
         yield file
     finally:
@@ -36,13 +39,20 @@ def archive(tag: str, *lines: str) -> Iterator[Path]:
 
 @pytest.fixture(scope="module")
 def better(rehearsal: Rehearsal) -> Iterator[Path]:
-    with archive("better", "LABEL better=yes") as file:
+    with archive("better", "rosberry", "LABEL better=yes") as file:
         yield file
 
 
 @pytest.fixture(scope="module")
 def broken(rehearsal: Rehearsal) -> Iterator[Path]:
-    with archive("broken", 'CMD ["python3", "-m", "robot.no_such_program"]') as file:
+    with archive("broken", "rosberry", 'CMD ["python3", "-m", "robot.no_such_program"]') as file:
+        yield file
+
+
+@pytest.fixture
+def broken_master(rehearsal: Rehearsal) -> Iterator[Path]:
+    """ROS master and rosbridge work; the web server, the last to start, is a list of hosts instead of a program."""
+    with archive("broken-master", "webserver", "COPY hosts.yml /opt/laserbot/server/main/__init__.py") as file:
         yield file
 
 
@@ -93,9 +103,24 @@ def test_an_update_leaves_robots_in_a_battle_alone(
     assert images([third]) == old[2:]
 
 
-def test_an_image_that_does_not_start_is_refused(rehearsal: Rehearsal, broken: Path, measured: Measured) -> None:
+def stored(machine: Machine) -> set[str]:
+    """The fleet's images on the host."""
+    return set(machine.run("docker image ls --digests --format '{{.Repository}}@{{.Digest}}' '*:5443/*'").split())
+
+
+def test_an_image_that_does_not_start_is_refused_though_the_update_was_broken_off(
+    rehearsal: Rehearsal, broken: Path, measured: Measured
+) -> None:
     old = images(rehearsal.robots)
-    release = rehearsal.robots[0].run("cat /etc/laserbot/release.json")
+    first = rehearsal.robots[0]
+    release = first.run("cat /etc/laserbot/release.json")
+    broken_off = Playbook("update", f"--extra-vars=fleet_images_archive={broken}")
+    broken_off.wait_for("TASK [docker : Wait for the health of laserbot-robot", 120)
+    broken_off.stop(signal.SIGINT, 60)
+    assert images([first]) != old[:1]
+    rehearsal.playbook("rollback", f"--limit={first.name}")
+    assert images([first]) == old[:1], "not the one before the last that worked"
+
     measured("")
     run = rehearsal.playbook(
         "update", f"--extra-vars=fleet_images_archive={broken} fleet_health_timeout=20", check=False
@@ -103,7 +128,22 @@ def test_an_image_that_does_not_start_is_refused(rehearsal: Rehearsal, broken: P
     measured("refused by the first robot, the others left alone")
     assert run.process.returncode != 0
     assert sum(row["failed"] for row in run.recap.values()) == 1
-    assert "runs with" in run.output
+    assert "No module named robot.no_such_program" in run.output, "what the service said"
+    assert f"runs with {old[0]} again" in run.output
     assert images(rehearsal.robots) == old
-    assert rehearsal.robots[0].run("cat /etc/laserbot/release.json") == release
+    assert first.run("cat /etc/laserbot/release.json") == release
+    rehearsal.wait_until_complete()
+    known = json.loads(release)
+    assert stored(first) == {known["current"], known["previous"]} - {""}, "the refused one takes no room"
+
+
+def test_a_masters_image_is_refused_as_a_whole(rehearsal: Rehearsal, broken_master: Path, measured: Measured) -> None:
+    old = [rehearsal.master.container(service)["Config"]["Image"] for service in rehearsal.master.services]
+    measured("")
+    run = rehearsal.playbook(
+        "update", f"--extra-vars=fleet_images_archive={broken_master} fleet_health_timeout=20", check=False
+    )
+    measured("refused by the web server, all three services back")
+    assert run.recap["laser_bot_master"]["failed"] == 1
+    assert [rehearsal.master.container(one)["Config"]["Image"] for one in rehearsal.master.services] == old
     rehearsal.wait_until_complete()

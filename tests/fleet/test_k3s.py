@@ -1,0 +1,119 @@
+"""ansible/k3s.yml asks every node's k3s for the right things, and tells what k3s complains about.
+
+k3s itself is not part of a rehearsal: a stand-in notes what it is asked for.
+"""
+
+import io
+import json
+import shlex
+import subprocess
+import tarfile
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import yaml
+
+from tests.support.fleet import Machine
+from tests.support.programs import ROOT
+from tests.support.rehearsal import Rehearsal
+
+PROGRAM = "/usr/local/bin/k3s"
+NOTES = "/var/tmp/k3s"
+IMAGES = "/var/lib/rancher/k3s/agent/images/laserbot.tar"
+STAND_IN = f"""#!/bin/sh
+# what was applied or labelled before is unchanged, as with the real one
+echo "$*" >>{NOTES}/calls
+again={NOTES}/$(echo "$*" | cksum | cut -d ' ' -f 1)
+case "$*" in
+"kubectl apply --filename -")
+    cat >{NOTES}/given
+    known={NOTES}/$(cksum <{NOTES}/given | cut -d ' ' -f 1)
+    [ -e $known ] && echo "thing/one unchanged" || echo "thing/one created"
+    mv {NOTES}/given $known
+    ;;
+"kubectl label "*) [ -e $again ] && echo "node/one not labeled" || echo "node/one labeled"; touch $again ;;
+"kubectl get pods "*) echo "robot-x7k2p 0/1 ErrImageNeverPull" ;;
+*" rollout status "*) [ ! -e {NOTES}/stuck ] || {{ echo "timed out waiting for the condition" >&2; exit 1; }} ;;
+esac
+"""
+
+
+@pytest.fixture
+def archive(tmp_path: Path) -> Path:
+    """As the images', but without any."""
+    index = json.dumps({"manifests": []}).encode()
+    entry = tarfile.TarInfo("index.json")
+    entry.size = len(index)
+    with tarfile.open(tmp_path / "images.tar", "w") as tar:
+        tar.addfile(entry, io.BytesIO(index))
+    return tmp_path / "images.tar"
+
+
+@pytest.fixture
+def nodes(rehearsal: Rehearsal) -> Iterator[list[Machine]]:
+    """All hosts, with a k3s."""
+    machines = list(rehearsal.machines.values())
+    for machine in machines:
+        install = f"mkdir {NOTES} && printf %s {shlex.quote(STAND_IN)} >{PROGRAM} && chmod 755 {PROGRAM}"
+        machine.run(f"sh -c {shlex.quote(install)}")
+    yield machines
+    for machine in machines:
+        machine.run(f"rm -rf {NOTES} {PROGRAM} /var/lib/rancher")
+
+
+def calls(machine: Machine) -> list[str]:
+    return machine.run(f"cat {NOTES}/calls").splitlines()
+
+
+def applied(machine: Machine) -> list[dict[str, object]]:
+    """The objects that k3s was given."""
+    texts = machine.run(f"grep -l apiVersion -r {NOTES} --exclude=calls").split()
+    documents = (document for text in texts for document in yaml.safe_load_all(machine.run(f"cat {text}")))
+    return [document for document in documents if document]
+
+
+def by_name(objects: list[dict[str, object]]) -> dict[tuple[object, object], object]:
+    return {(one["kind"], dict(one["metadata"])["name"]): one for one in objects}  # type: ignore[call-overload]
+
+
+def test_hosts_without_k3s_are_told_where_to_get_it(rehearsal: Rehearsal, archive: Path) -> None:
+    run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}", check=False)
+    assert run.process.returncode != 0
+    assert "k3s/README.md" in run.output
+
+
+def test_the_nodes_get_images_labels_and_the_game(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
+    run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}")
+    for node in nodes:
+        assert node.host.file(IMAGES).size == archive.stat().st_size
+        assert f"ctr images import {IMAGES}" in " ".join(calls(node))
+    labels = {tuple(call.split()[3:5]) for call in calls(nodes[0]) if call.startswith("kubectl label node")}
+    roles = {"master": "master", "robots": "robot"}
+    assert labels == {(node.run("hostname").strip(), f"laserbot/role={roles[node.group]}") for node in nodes}
+
+    built = subprocess.run(
+        [str(ROOT / "ci/kubectl"), "kustomize", str(ROOT / "k3s/overlays/lan")], capture_output=True, check=True
+    )
+    wanted = by_name([document for document in yaml.safe_load_all(built.stdout) if document])
+    given = by_name(applied(nodes[0]))
+    token = nodes[0].run("cat /etc/laserbot/operator-token").strip()
+    assert given.pop(("Secret", "operator"))["stringData"] == {"token": token}  # type: ignore[index]
+    wanted.pop(("Secret", "operator"), None)
+    assert given == wanted
+    assert token not in run.output
+    workloads = {f"{str(kind).lower()}/{name}" for kind, name in wanted if kind in ("Deployment", "DaemonSet")}
+    waited = {call.split()[5] for call in calls(nodes[0]) if " rollout status " in call}
+    assert waited == workloads
+    assert "kubectl --namespace laserbot rollout restart deployment/master" in calls(nodes[0])
+
+    again = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}")
+    assert again.changed == 0, again.output
+
+
+def test_pods_that_do_not_become_ready_are_shown(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
+    nodes[0].run(f"touch {NOTES}/stuck")
+    run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}", check=False)
+    assert run.process.returncode != 0
+    assert "ErrImageNeverPull" in run.output
+    assert "k3s/README.md" in run.output
