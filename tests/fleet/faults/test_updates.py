@@ -115,7 +115,7 @@ def test_an_image_that_does_not_start_is_refused_though_the_update_was_broken_of
     first = rehearsal.robots[0]
     release = first.run("cat /etc/laserbot/release.json")
     broken_off = Playbook("update", f"--extra-vars=fleet_images_archive={broken}")
-    broken_off.wait_for("TASK [docker : Wait for the health of laserbot-robot", 120)
+    broken_off.wait_for("TASK [docker : Wait for the health of laserbot-robot", 400)
     broken_off.stop(signal.SIGINT, 60)
     assert images([first]) != old[:1]
     rehearsal.playbook("rollback", f"--limit={first.name}")
