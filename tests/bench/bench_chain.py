@@ -15,13 +15,14 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.browser.conftest import FLAGS
 from tests.support.battle import Battle
+from tests.support.play import keep_turning
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.programs import ROOT, Program
@@ -153,25 +154,6 @@ def monotonic_of(wall_ms: float) -> float:
     return wall_ms / 1000 - (time.time() - time.monotonic())
 
 
-@contextlib.contextmanager
-def traffic(players: list[Player]) -> Iterator[None]:
-    """The other robots drive in circles at 40 Hz, as players who hold a key."""
-    end = threading.Event()
-
-    def drive() -> None:
-        while not end.wait(0.025):
-            for player in players:
-                player.drive(0, 1)
-
-    thread = threading.Thread(target=drive)
-    thread.start()
-    try:
-        yield
-    finally:
-        end.set()
-        thread.join()
-
-
 def log_in(browser: Browser, battle: Battle, name: str) -> Page:
     page = browser.new_context(viewport={"width": 1280, "height": 800}).new_page()
     page.goto(battle.web)
@@ -276,7 +258,7 @@ def measure(battle: Battle, browser: Browser, folder: Path) -> None:
             player.ready()
         until(lambda: "PLAY!" in driver.locator("#game-status").inner_text(), 15, "the battle begins")
         driver.bring_to_front()
-        with traffic(others):
+        with keep_turning(*others):  # they drive in circles
             key_to_coil(driver, robot)
             release_to_still(driver, robot)
             stepper_speed(driver, robot)

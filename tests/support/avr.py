@@ -3,6 +3,7 @@
 import contextlib
 import functools
 import socket
+import struct
 import subprocess
 import time
 from collections.abc import Iterator
@@ -246,3 +247,32 @@ class Arena:
         for link in self._links:
             link.close()
         self._listener.close()
+
+
+def connect(robot: AvrRobot) -> SerialHost:
+    """The host at the serial port of a robot that has it on TCP."""
+    return SerialHost(f"socket://{robot.uart}")
+
+
+def run_avr_robot(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """avr_robot, which is to end at once."""
+    build()
+    words = [str(word) for word in [AVR_ROBOT, *arguments]]
+    return subprocess.run(words, capture_output=True, text=True, timeout=10, check=False)
+
+
+def assert_refused(result: subprocess.CompletedProcess[str], code: int, reason: str) -> None:
+    """One line on stderr that holds the reason, nothing on stdout."""
+    assert result.returncode == code
+    assert reason in result.stderr
+    assert result.stderr.startswith("avr_robot: ")
+    assert result.stderr.count("\n") == 1
+    assert result.stdout == ""
+
+
+def elf_of(*words: int) -> bytes:
+    """A minimal AVR ELF file with these instructions at address 0."""
+    code = struct.pack(f"<{len(words)}H", *words)
+    ident = b"\x7fELF" + bytes([1, 1, 1]) + bytes(9)
+    header = struct.pack("<HHIIIIIHHHHHH", 2, 83, 1, 0, 52, 0, 0, 52, 32, 1, 0, 0, 0)
+    return ident + header + struct.pack("<IIIIIIII", 1, 84, 0, 0, len(code), len(code), 5, 2) + code

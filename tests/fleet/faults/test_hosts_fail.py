@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from tests.support.fleet import Machine
-from tests.support.play import STOPPED, keeps_turning, obeys, stands_still, start
+from tests.support.play import STOPPED, keep_turning, obeys, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, cut, power_off, power_on
@@ -20,7 +20,7 @@ def test_the_master_loses_its_power_in_a_battle(rehearsal: Rehearsal, measured: 
         start(ann, bob)
         obeys(ann, eyes)
         # a plug takes no leave: no connection is closed
-        with keeps_turning(ann), cut(rehearsal.master):
+        with keep_turning(ann), cut(rehearsal.master):
             measured("")
             stands_still(ann, eyes)
             measured("the wheels stand still")

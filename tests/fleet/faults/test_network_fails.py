@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.support.play import PLAYING, keeps_turning, obeys, stands_still, start
+from tests.support.play import PLAYING, keep_turning, obeys, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, cut
@@ -43,7 +43,7 @@ def test_a_robots_network_is_cut_for_longer(
     with Eyes(rehearsal) as eyes:
         start(ann, bob)
         obeys(ann, eyes)
-        with keeps_turning(ann), cut(rehearsal.machines[f"raspberrypi{ann.robot}"]):
+        with keep_turning(ann), cut(rehearsal.machines[f"raspberrypi{ann.robot}"]):
             measured("")
             stands_still(ann, eyes)
             measured("the wheels stand still")
