@@ -6,6 +6,7 @@ import subprocess
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import pytest
 
@@ -70,9 +71,16 @@ def network(version: str) -> Iterator[str]:
     docker("network", "rm", name)
 
 
+class Registry(NamedTuple):
+    """An empty registry, Debian's, unpacked and not installed."""
+
+    place: str
+    """host:port"""
+    command: list[str]
+
+
 @pytest.fixture(scope="session")
-def registry(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """An empty registry, `host:port`: Debian's, unpacked and not installed."""
+def registry(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Registry]:
     folder: Path = tmp_path_factory.mktemp("registry")
     subprocess.run(["apt-get", "-q", "download", "docker-registry"], cwd=folder, check=True, capture_output=True)
     (package,) = folder.glob("*.deb")
@@ -83,6 +91,7 @@ def registry(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         f"version: 0.1\nlog: {{level: warn}}\nstorage: {{filesystem: {{rootdirectory: {folder / 'data'}}}}}\n"
         f"http: {{addr: {place}}}\n"
     )
-    program = Program([folder / "root/usr/bin/docker-registry", "serve", settings])
-    yield place
+    command = [f"{folder}/root/usr/bin/docker-registry", "serve", str(settings)]
+    program = Program(command)
+    yield Registry(place, command)
     program.stop()

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import requests
 
-from tests.images.conftest import build
+from tests.images.conftest import Registry, build
 from tests.images.test_contents import PLATFORMS
 from tests.support.containers import docker
 from tests.support.programs import ROOT, Program
@@ -27,10 +27,10 @@ def platform_name(platform: dict[str, str]) -> str:
     )
 
 
-def test_a_registry_gets_every_platform_under_one_name(version: str, registry: str, figures: list[str]) -> None:
-    build(PUSH=registry)
+def test_a_registry_gets_every_platform_under_one_name(version: str, registry: Registry, figures: list[str]) -> None:
+    build(PUSH=registry.place)
     for image, platforms in PLATFORMS.items():
-        api = f"http://{registry}/v2/{image}/manifests"
+        api = f"http://{registry.place}/v2/{image}/manifests"
         answer = requests.get(f"{api}/{version}", headers={"Accept": INDEX}, timeout=10)
         assert (
             answer.headers["Docker-Content-Digest"]
@@ -45,7 +45,7 @@ def test_a_registry_gets_every_platform_under_one_name(version: str, registry: s
             figures.append(f"{image} {platform}: {size:.1f} MB compressed{f' (budget {budget})' if budget else ''}")
             assert not budget or size <= budget
     local = docker("image", "ls", "--format", "{{.Repository}}").split()
-    assert not [name for name in local if registry in name], "the engine keeps no second name"
+    assert not [name for name in local if registry.place in name], "the engine keeps no second name"
 
 
 @pytest.fixture
@@ -58,17 +58,18 @@ def folder() -> Iterator[Path]:
 class SecondEngine:
     """A second Docker Engine, empty. `store`: whether it has containerd's store (of several platforms).
 
-    It has no network but, if there is one, the way to a registry `mirror` (host:port) for what is on Docker's own.
+    It has a network of its own, in which there is nothing but, if given, a `mirror` of what is on Docker's own registry.
+    (In the first engine's it would take away that one's bridge.)
     """
 
-    def __init__(self, folder: Path, store: bool, mirror: str = "") -> None:
+    def __init__(self, folder: Path, store: bool, mirror: Registry | None = None) -> None:
         settings = {
             "features": {"containerd-snapshotter": store},
             "exec-opts": ["native.cgroupdriver=cgroupfs"],
             "cgroup-parent": "/laserbot-engine",
             "iptables": False,
             "bridge": "none",
-            "registry-mirrors": [f"http://{mirror}"] if mirror else [],
+            "registry-mirrors": [f"http://{mirror.place}"] if mirror else [],
         }
         (folder / "daemon.json").write_text(json.dumps(settings))
         # short: a socket's path has at most 107 characters
@@ -78,7 +79,8 @@ class SecondEngine:
         words = ["--config-file", f"{folder}/daemon.json", "--data-root", f"{folder}/data"]
         words += ["--exec-root", f"{run}/exec", "--pidfile", f"{run}/pid", "--host", self.host]
         # its mounts, too, end with it
-        self.program = Program(["unshare", "--mount", *([] if mirror else ["--net"]), "dockerd", *words])
+        self.program = Program(["unshare", "--mount", "--net", "dockerd", *words])
+        self._mirror = mirror
 
     def docker(self, *words: str) -> str:
         result = subprocess.run(["docker", "--host", self.host, *words], capture_output=True, text=True, check=False)
@@ -87,9 +89,15 @@ class SecondEngine:
 
     def __enter__(self) -> "SecondEngine":
         self.program.wait_for("API listen", 30)
+        if self._mirror:
+            inside = ["nsenter", f"--target={self.program.process.pid}", "--net"]
+            subprocess.run([*inside, "ip", "link", "set", "lo", "up"], check=True)
+            self._mirror_here = Program([*inside, *self._mirror.command])
         return self
 
     def __exit__(self, *_: object) -> None:
+        if self._mirror:
+            self._mirror_here.stop()
         self.program.stop(seconds=30)
         self._run.cleanup()
 
@@ -124,10 +132,10 @@ def test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind(versio
 
 
 @needs_own_engine
-def test_the_base_is_pulled_where_a_registry_can_be_reached(version: str, registry: str, folder: Path) -> None:
+def test_the_base_is_pulled_where_a_registry_can_be_reached(version: str, registry: Registry, folder: Path) -> None:
     """The registry offers what the first engine has as base, under the name that Debian's own image has."""
     base = docker("image", "ls", "--format", "{{.Repository}}:{{.Tag}}", "localhost/laserbot/base").strip()
-    offered = f"{registry}/library/debian:trixie-slim"
+    offered = f"{registry.place}/library/debian:trixie-slim"
     docker("tag", base, offered)
     docker("push", offered)
     docker("image", "rm", offered)
