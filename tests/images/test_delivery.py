@@ -58,8 +58,8 @@ def folder() -> Iterator[Path]:
 class SecondEngine:
     """A second Docker Engine, empty. `store`: whether it has containerd's store (of several platforms).
 
-    It has a network of its own, in which there is nothing but, if given, a `mirror` of what is on Docker's own registry.
-    (In the first engine's it would take away that one's bridge.)
+    Its network is its own (else it would take away the first one's bridge), with nothing in it but, if there is one,
+    a `mirror` of what is on Docker's own registry.
     """
 
     def __init__(self, folder: Path, store: bool, mirror: Registry | None = None) -> None:

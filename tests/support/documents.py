@@ -16,7 +16,7 @@ def page(name: str) -> str:
 
 def blocks(text: str, language: str) -> list[str]:
     """The contents of the fenced blocks of that language, in order."""
-    return re.findall(rf"^```{language}\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    return re.findall(rf"^ *```{language}\n(.*?)^ *```$", text, re.MULTILINE | re.DOTALL)
 
 
 def table(text: str, heading: str) -> list[Row]:

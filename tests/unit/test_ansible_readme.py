@@ -1,7 +1,13 @@
 """ansible/README.md says what the roles do."""
 
+import json
+import os
 import re
+import shutil
+import subprocess
+from pathlib import Path
 
+from tests.support.documents import blocks
 from tests.support.programs import ROOT
 
 ANSIBLE = ROOT / "ansible"
@@ -21,3 +27,28 @@ def test_every_playbook_is_in_the_table_and_no_other() -> None:
     assert set(re.findall(r"^\| `(\w+\.yml)` \|", README, re.MULTILINE)) == {
         path.name for path in ANSIBLE.glob("*.yml")
     }
+
+
+def test_its_steps_make_an_inventory(tmp_path: Path) -> None:
+    """The commands of step 3, as they stand there: what comes out is a fleet whose secrets are encrypted."""
+    shutil.copytree(ANSIBLE, tmp_path / "ansible")
+    (steps,) = [block for block in blocks(README, "sh") if "inventory/example" in block]
+    (encrypt,) = re.findall(r"`(ansible-vault encrypt .*?)`", README)
+    (tmp_path / "password").write_text("of the vault\n")
+    environment = {
+        **os.environ,
+        "PATH": f"{ROOT / '.venv/bin'}:{os.environ['PATH']}",
+        "ANSIBLE_VAULT_PASSWORD_FILE": str(tmp_path / "password"),
+    }
+    script = f"{steps}\n{encrypt} >/dev/null 2>&1\nansible-inventory -i inventory/mine --list"
+    made = subprocess.run(
+        ["sh", "-ec", script], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert made.returncode == 0, made.stderr
+    known = json.loads(made.stdout[made.stdout.index("{") :])
+    assert len(known["master"]["hosts"]) == 1
+    assert len(known["robots"]["hosts"]) >= 2
+    secrets = known["_meta"]["hostvars"][known["master"]["hosts"][0]]
+    assert {"fleet_registry_password", "fleet_operator_token"} <= secrets.keys()
+    vault = tmp_path / "ansible/inventory/mine/group_vars/all/vault.yml"
+    assert vault.read_text().startswith("$ANSIBLE_VAULT")
