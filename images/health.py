@@ -4,6 +4,7 @@ The images' HEALTHCHECK. Which service it is follows from the container's main p
 service of an image.
 """
 
+import contextlib
 import http.client
 import os
 import re
@@ -62,8 +63,10 @@ def expect(status: int, wanted: int) -> None:
 
 
 def ros_master() -> None:
-    """The master answers its API."""
-    ask_node(f"http://localhost:{main_argument('-p', '11311')}", "getPid")
+    """The master answers its API: this one, not another one at its port of the host."""
+    number = int(main_argument("-p", "11311"))
+    ask_node(f"http://localhost:{number}", "getPid")
+    expect_listener(number)
 
 
 def web_server() -> None:
@@ -93,10 +96,7 @@ def arena() -> None:
 
 def avr_robot() -> None:
     """Its serial line is open. To connect would take it from the robot, so the kernel is asked."""
-    listening = {line.split()[1].rpartition(":")[2] for line in tcp_sockets() if line.split()[3] == "0A"}
-    number = main_argument("--tcp", "").rpartition(":")[2]
-    if f"{int(number):04X}" not in listening:
-        raise UnhealthyError(f"nobody listens at port {number}")
+    expect_listener(int(main_argument("--tcp", "").rpartition(":")[2]))
 
 
 def bot() -> None:
@@ -151,8 +151,18 @@ def main_argument(option: str, default: str) -> str:
     return command[command.index(option) + 1] if option in command else default
 
 
-def tcp_sockets() -> list[str]:
-    return [line for path in ("/proc/net/tcp", "/proc/net/tcp6") for line in Path(path).read_text().splitlines()[1:]]
+def expect_listener(number: int) -> None:
+    """The container's main process listens at this TCP port (proc(5): the files of a process, net/tcp)."""
+    own = set()
+    for file in Path("/proc/1/fd").iterdir():
+        with contextlib.suppress(FileNotFoundError):  # it has just been closed
+            own.add(os.readlink(file))
+    for table in ("/proc/net/tcp", "/proc/net/tcp6"):
+        for line in Path(table).read_text().splitlines()[1:]:
+            _, local, _, state, *_, inode = line.split()[:10]
+            if state == "0A" and int(local.rpartition(":")[2], 16) == number and f"socket:[{inode}]" in own:
+                return
+    raise UnhealthyError(f"the service does not listen at port {number}")
 
 
 if __name__ == "__main__":

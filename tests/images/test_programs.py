@@ -6,6 +6,8 @@ from contextlib import ExitStack
 import pytest
 
 from tests.support.containers import Container
+from tests.support.polling import until
+from tests.support.programs import ROOT
 
 MASTER_PLATFORMS = ["linux/amd64", "linux/arm64"]
 ROBOT_PLATFORMS = ["linux/arm/v7", "linux/arm64", "linux/amd64"]
@@ -59,6 +61,19 @@ def test_the_masters_three_services_become_healthy_and_end_quickly(
     figures.append(f"webserver {platform}: ROS master, web server, rosbridge healthy after {max(took):.1f} s")
     for container in reversed(containers):
         check_end(container, platform)
+
+
+def test_a_ros_master_whose_port_another_one_has_is_not_healthy(version: str) -> None:
+    """It goes on without its port, and the other one answers in its place."""
+    words = [f"webserver:{version}", "linux/amd64", "rosmaster", "--core", "-p", "11311"]
+    with Container(*words) as first:
+        first.wait_until_healthy()
+        with Container(*words, network=f"container:{first.id}") as second:
+            until(lambda: "address already in use" in second.logs.lower(), 20, "it finds its port taken")
+            told = "health: the service does not listen at port 11311"  # what the kubelet's event quotes
+            with pytest.raises(AssertionError, match=told):
+                second.run("python3", "-m", "images.health")
+            assert told in (ROOT / "k3s/README.md").read_text()
 
 
 @pytest.mark.parametrize("platform", ROBOT_PLATFORMS)
