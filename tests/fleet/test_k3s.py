@@ -3,6 +3,7 @@
 k3s itself is not part of a rehearsal: a stand-in notes what it is asked for.
 """
 
+import base64
 import io
 import json
 import shlex
@@ -29,9 +30,12 @@ case "$*" in
 "kubectl apply --filename -")
     cat >{NOTES}/given
     known={NOTES}/$(cksum <{NOTES}/given | cut -d ' ' -f 1)
-    [ -e $known ] && echo "thing/one unchanged" || echo "thing/one created"
+    [ -e $known ] && ! grep -q stringData {NOTES}/given && echo "thing/one unchanged" || echo "thing/one configured"
     mv {NOTES}/given $known
     ;;
+"ctr images import "*) [ ! -e {NOTES}/full ] || {{ echo "no space left on device" >&2; exit 1; }}
+    tar -xOf "$4" index.json >{NOTES}/imported ;;
+"ctr images list") cat {NOTES}/imported || true ;;
 "kubectl label "*) [ -e $again ] && echo "node/one not labeled" || echo "node/one labeled"; touch $again ;;
 "kubectl get pods "*) echo "robot-x7k2p 0/1 ErrImageNeverPull" ;;
 *" rollout status "*) [ ! -e {NOTES}/stuck ] || {{ echo "timed out waiting for the condition" >&2; exit 1; }} ;;
@@ -41,8 +45,9 @@ esac
 
 @pytest.fixture
 def archive(tmp_path: Path) -> Path:
-    """As the images', but without any."""
-    index = json.dumps({"manifests": []}).encode()
+    """As the images', with only the index."""
+    names = {"io.containerd.image.name": "docker.io/library/rosberry:1", "org.opencontainers.image.ref.name": "1"}
+    index = json.dumps({"manifests": [{"digest": "sha256:0123", "annotations": names}]}).encode()
     entry = tarfile.TarInfo("index.json")
     entry.size = len(index)
     with tarfile.open(tmp_path / "images.tar", "w") as tar:
@@ -84,7 +89,12 @@ def test_hosts_without_k3s_are_told_where_to_get_it(rehearsal: Rehearsal, archiv
 
 
 def test_the_nodes_get_images_labels_and_the_game(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
-    run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}")
+    variables = f"--extra-vars=fleet_images_archive={archive}"
+    nodes[1].run(f"touch {NOTES}/full")
+    assert rehearsal.playbook("k3s", variables, check=False).recap[nodes[1].name]["failed"] == 1
+    nodes[1].run(f"rm {NOTES}/full")
+    run = rehearsal.playbook("k3s", variables)
+    assert run.recap[nodes[1].name]["changed"] == 1, "the import is tried again"
     for node in nodes:
         assert node.host.file(IMAGES).size == archive.stat().st_size
         assert f"ctr images import {IMAGES}" in " ".join(calls(node))
@@ -98,7 +108,7 @@ def test_the_nodes_get_images_labels_and_the_game(rehearsal: Rehearsal, nodes: l
     wanted = by_name([document for document in yaml.safe_load_all(built.stdout) if document])
     given = by_name(applied(nodes[0]))
     token = nodes[0].run("cat /etc/laserbot/operator-token").strip()
-    assert given.pop(("Secret", "operator"))["stringData"] == {"token": token}  # type: ignore[index]
+    assert given.pop(("Secret", "operator"))["data"] == {"token": base64.b64encode(token.encode()).decode()}  # type: ignore[index]
     wanted.pop(("Secret", "operator"), None)
     assert given == wanted
     assert token not in run.output
@@ -107,7 +117,7 @@ def test_the_nodes_get_images_labels_and_the_game(rehearsal: Rehearsal, nodes: l
     assert waited == workloads
     assert "kubectl --namespace laserbot rollout restart deployment/master" in calls(nodes[0])
 
-    again = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}")
+    again = rehearsal.playbook("k3s", variables)
     assert again.changed == 0, again.output
 
 

@@ -1,6 +1,7 @@
 """What an operator is told when something is wrong, and that k3s/README.md has the words that are really said."""
 
 import os
+import re
 import socket
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from tests.support.programs import ROOT, Program
 
 PYTHONPATH = f"{ROOT}:{ROOT / 'build/python'}"
 TEXT = (ROOT / "k3s/README.md").read_text()
+OVERLAY = "".join(path.read_text() for path in (ROOT / "k3s/overlays/lan").glob("*.yaml"))
 
 
 def quoted(words: str) -> bool:
@@ -122,18 +124,31 @@ def test_the_image_in_the_table_is_of_this_version() -> None:
     assert quoted(f'Failed to pull image "rosberry:{version()}"')
 
 
-def test_every_label_and_name_in_the_readme_is_one_of_the_manifests() -> None:
-    assert "laserbot/role=master" in TEXT
-    assert "laserbot/role=robot" in TEXT
-    names = {(item["kind"].lower(), item["metadata"]["name"]) for item in overlay("sim").objects}
-    for kind, name in [
-        ("deployment", "master"),
-        ("statefulset", "robot"),
-        ("deployment", "bot"),
-        ("service", "players"),
-    ]:
-        assert f"{kind}/{name}" in TEXT
-        assert (kind, name) in names
+KINDS = {"pdb": "poddisruptionbudget"}
+COMMANDS = [
+    words
+    for line in re.findall(r"^kubectl .*|`kubectl [^`]*", TEXT, re.MULTILINE)
+    if len(words := line.strip("`").split("#")[0].split()) > 3
+]
+
+
+@pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
+def test_what_a_command_of_the_readme_names_is_there(words: list[str]) -> None:
+    """No cluster is here to run it: its overlays, objects, namespaces and labels are looked for in the manifests."""
+    objects = [item for name in ("sim", "lan") for item in overlay(name).objects]
+    names = {(item["kind"].lower(), item["metadata"]["name"]) for item in objects}
+    pairs = [tuple(word.split("/")) for word in words if re.fullmatch(r"[a-z]+/[a-z]+", word)]
+    if words[-2] in {"pdb", "service"}:
+        pairs.append((words[-2], words[-1]))
+    for kind, name in pairs:
+        assert (KINDS.get(kind, kind), name) in names
+    if "-k" in words:
+        assert (ROOT / words[words.index("-k") + 1] / "kustomization.yaml").exists()
+    if "-n" in words:
+        assert ("namespace", words[words.index("-n") + 1]) in names
+    for word in words:
+        if word.startswith("laserbot/"):
+            assert f"laserbot/role: {word.partition('=')[2]}" in OVERLAY or word.endswith("-")
 
 
 def test_every_address_in_the_readme_is_one_of_the_manifests() -> None:

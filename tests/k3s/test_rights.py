@@ -89,6 +89,16 @@ def test_the_data_can_be_kept(customize: Customize) -> None:
     assert data == {"name": "data", "persistentVolumeClaim": {"claimName": claim["metadata"]["name"]}}
 
 
+def stays(pod: Object) -> bool:
+    """Whether the pod is never moved away from a node that the control plane does not reach."""
+    forever = {
+        item["key"]
+        for item in pod.get("tolerations", [])
+        if item["effect"] == "NoExecute" and "tolerationSeconds" not in item
+    }
+    return forever == {"node.kubernetes.io/unreachable", "node.kubernetes.io/not-ready"}
+
+
 def test_updates_never_run_two_masters_and_change_one_robot_at_a_time(manifests: Manifests) -> None:
     for workload in manifests.workloads:
         spec = workload["spec"]
@@ -96,7 +106,11 @@ def test_updates_never_run_two_masters_and_change_one_robot_at_a_time(manifests:
             case "Deployment":
                 assert spec["replicas"] == 1
                 assert spec["strategy"] == {"type": "Recreate"}
+                if workload["metadata"]["name"] in {"master", "arena"}:
+                    assert stays(spec["template"]["spec"]), "a lost node would bring a second one"
             case "DaemonSet":
+                probe = spec["template"]["spec"]["containers"][0]["readinessProbe"]
+                assert probe["periodSeconds"] * probe["failureThreshold"] >= 180, "the master's own update takes less"
                 assert spec["updateStrategy"] == {"type": "RollingUpdate", "rollingUpdate": {"maxUnavailable": 1}}
 
 
