@@ -47,6 +47,16 @@ def test_an_unknown_linter_is_named() -> None:
     assert "there is no linter eslint" in result.stderr
 
 
+def test_every_shell_script_is_looked_at() -> None:
+    words = re.search(r"shellcheck\) grep .* '(\^.*?)' (.*?) \|", (ROOT / "ci/lint").read_text())
+    tracked = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
+    for name in filter(None, tracked.stdout.split("\0")):
+        text = (ROOT / name).read_bytes()[:40].decode(errors="replace")
+        # a template is none yet
+        if re.match(words[1], text) and not name.endswith(".j2"):
+            assert any(Path(name).is_relative_to(folder) for folder in words[2].split()), name
+
+
 FAULTS = {
     "ruff": ("server/fault.py", "import os\n"),
     "ruff-format": ("server/fault.py", "x = {  'a':1 }\n"),

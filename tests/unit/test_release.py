@@ -72,6 +72,13 @@ def test_a_version_without_notes_is_refused(built: Path) -> None:
     assert "CHANGELOG.md says nothing of version 2.3.4" in result.stderr
 
 
+def test_a_version_without_a_date_is_refused(built: Path) -> None:
+    (built / "CHANGELOG.md").write_text("# Changelog\n\n## [2.3.4] - Unreleased\n\n- New.\n")
+    result = release(built, "v2.3.4")
+    assert result.returncode == 1
+    assert "the heading [2.3.4] of CHANGELOG.md has no date" in result.stderr
+
+
 def test_this_version_has_notes() -> None:
     version = (ROOT / "laser_bot_battle/package.xml").read_text().split("<version>")[1].split("<")[0]
     assert f"\n## [{version}] - " in (ROOT / "CHANGELOG.md").read_text()
