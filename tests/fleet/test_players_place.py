@@ -69,6 +69,16 @@ def test_the_robots_reach_the_ros_master_and_the_registry(rehearsal: Rehearsal) 
             robot.run(f'python3 -c "{connect}"')
 
 
+def test_the_master_reaches_a_robots_nodes_and_other_robots_do_not(rehearsal: Rehearsal) -> None:
+    first, second = rehearsal.robots[:2]
+    nodes = [port for port in listening(second) if port >= 32768]
+    assert nodes
+    for port in nodes:
+        connect = f"import socket;socket.create_connection(('{second.address}',{port}),3)"
+        rehearsal.master.run(f'python3 -c "{connect}"')
+        assert "TimeoutError" in first.host.run(f'python3 -c "{connect}"').stderr
+
+
 def test_a_robot_cannot_log_in_to_the_master(rehearsal: Rehearsal) -> None:
     connect = f"import socket;socket.create_connection(('{rehearsal.master.address}',22),3)"
     answer = rehearsal.robots[0].host.run(f'python3 -c "{connect}"')

@@ -25,6 +25,10 @@ class Machine:
     address: str
     user: str
     ssh: str  # options of ssh: the key, where host keys are kept
+    serial: str = "/dev/laserbot"
+    platform: str = ""  # the image's, where it is not the host's own
+    open_ports: tuple[int, ...] = ()  # that the operator has opened besides the game's
+    checked: bool = True  # whether the operator asks for checks of it
 
     @property
     def services(self) -> list[str]:

@@ -12,7 +12,9 @@ HOSTS = ROOT / "build" / "fleet-hosts.json"  # ansible/check.yml writes it
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """A test with the argument machine, master or robot runs once for each host of that kind."""
-    machines = Fleet.read(HOSTS).machines.values()
+    if not HOSTS.exists():
+        raise pytest.UsageError("which hosts to check, ansible/check.yml knows: it runs these tests")
+    machines = [machine for machine in Fleet.read(HOSTS).machines.values() if machine.checked]
     for argument, group in {"machine": None, "master": "master", "robot": "robots"}.items():
         if argument in metafunc.fixturenames:
             chosen = [machine for machine in machines if group in (None, machine.group)]

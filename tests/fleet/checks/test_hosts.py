@@ -1,6 +1,8 @@
 """Names, time, devices, users, secrets, firewall."""
 
 import re
+import shlex
+import subprocess
 
 from tests.support.fleet import Fleet, Machine
 from tests.support.polling import until
@@ -12,21 +14,27 @@ SECRETS_OF_THE_MASTER = (
     "/etc/docker/registry/htpasswd",
     "/etc/docker/registry/tls/registry.key",
 )
-NAMES = ("laser_bot_master.local", "laser-bot-master.local")
+
+
+def names(fleet: Fleet) -> dict[str, str]:
+    """Every name of the fleet, and its address."""
+    of_the_master = dict.fromkeys(("laser_bot_master.local", "laser-bot-master.local"), fleet.master.address)
+    return of_the_master | {f"{robot.name}.local": robot.address for robot in fleet.robots}
 
 
 def test_names_are_known_on_every_host(fleet: Fleet, machine: Machine) -> None:
-    wanted = dict.fromkeys(NAMES, fleet.master.address) | {f"{r.name}.local": r.address for r in fleet.robots}
-    for name, address in wanted.items():
+    for name, address in names(fleet).items():
         # a host may give its own name another of its addresses
         if address != machine.address:
             assert machine.run(f"getent ahostsv4 {name}").split()[0] == address, name
 
 
-def test_names_are_known_inside_containers(fleet: Fleet, robot: Machine) -> None:
-    for name in NAMES:
-        ask = f"import socket;print(socket.gethostbyname('{name}'))"
-        assert robot.run(f'docker exec laserbot-robot python3 -c "{ask}"').strip() == fleet.master.address
+def test_names_are_known_inside_containers(fleet: Fleet, machine: Machine) -> None:
+    for service in machine.services:
+        for name, address in names(fleet).items():
+            if address != machine.address:
+                ask = f"import socket;print(socket.gethostbyname('{name}'))"
+                assert machine.run(f'docker exec {service} python3 -c "{ask}"').strip() == address, (service, name)
 
 
 def test_the_game_is_announced(fleet: Fleet, machine: Machine) -> None:
@@ -53,12 +61,23 @@ def test_the_clocks_agree(fleet: Fleet, machine: Machine) -> None:
 def test_the_arduino_has_its_name(robot: Machine) -> None:
     if int(robot.run("udevadm --version")) >= 254:  # the first that knows this verb
         robot.run("udevadm verify /etc/udev/rules.d/60-laserbot.rules")
-    assert robot.host.file("/dev/laserbot").is_symlink
-    device = robot.run("stat -L -c '%F %G %a' /dev/laserbot").strip()
+    if robot.serial == "/dev/laserbot":
+        assert robot.host.file(robot.serial).is_symlink
+    device = robot.run(f"stat -L -c '%F %G %a' {robot.serial}").strip()
     assert device == "character special file dialout 660"
 
 
+def test_a_host_has_its_name(machine: Machine) -> None:
+    """systemd's: it allows no underscore, with which the master is announced."""
+    assert machine.run("hostname").strip() == ("laser-bot-master" if machine.group == "master" else machine.name)
+
+
 def test_ssh_wants_a_key(machine: Machine) -> None:
+    """By its settings, and in the words of the one that runs."""
+    log_in = ["ssh", *shlex.split(machine.ssh), "-o", "PreferredAuthentications=none", "-o", "ControlPath=none"]
+    log_in += [f"{machine.user}@{machine.address}", "true"]
+    refused = subprocess.run(log_in, capture_output=True, text=True, timeout=20, check=False).stderr
+    assert "Permission denied (publickey)." in refused
     settings = machine.run("sshd -T")
     assert "passwordauthentication no" in settings
     assert "kbdinteractiveauthentication no" in settings
@@ -70,7 +89,9 @@ def test_ssh_wants_a_key(machine: Machine) -> None:
 def test_the_firewall_is_in_effect(machine: Machine) -> None:
     rules = machine.run("nft list table inet laserbot")
     assert "policy drop" in rules
-    assert ("dport { 5000, 9090 }" in rules) == (machine.group == "master")
+    (ports,) = re.findall(r"tcp dport (\S+|{ .* }) accept comment \"players\"", rules) or [""]
+    game = (5000, 9090) if machine.group == "master" else ()
+    assert sorted(map(int, re.findall(r"\d+", ports))) == sorted({*game, *machine.open_ports})
     # the engine's own are still there
     assert "DOCKER" in machine.run("nft list ruleset")
 

@@ -20,6 +20,12 @@ def test_images_are_named_by_digest_and_remembered(machine: Machine) -> None:
         assert image == release["current"]
 
 
+def test_the_image_is_of_its_platform(robot: Machine) -> None:
+    names = {"linux/amd64": "x86_64", "linux/arm64": "aarch64", "linux/arm/v7": "armv7l"}
+    wanted = names[robot.platform] if robot.platform else robot.run("uname -m").strip()
+    assert robot.run("docker exec laserbot-robot uname -m").strip() == wanted
+
+
 def test_containers_are_kept_in(machine: Machine) -> None:
     for service in machine.services:
         settings = machine.container(service)["HostConfig"]
@@ -29,7 +35,8 @@ def test_containers_are_kept_in(machine: Machine) -> None:
         assert not settings["Privileged"]
         assert "no-new-privileges" in str(settings["SecurityOpt"])
         assert settings["RestartPolicy"]["Name"] == "unless-stopped"
-        assert settings["LogConfig"]["Config"] == {"max-size": "5m", "max-file": "3"}
+        engine = json.loads(machine.run("cat /etc/docker/daemon.json"))
+        assert settings["LogConfig"]["Config"] == engine["log-opts"]
 
 
 def test_no_program_of_the_game_is_root(machine: Machine) -> None:

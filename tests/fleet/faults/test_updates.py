@@ -1,6 +1,7 @@
 """Updates: rolling, never in a battle, back by themselves."""
 
 import json
+import shutil
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,49 +11,57 @@ from xml.etree import ElementTree
 import pytest
 
 from tests.support.fleet import Machine
-from tests.support.play import PLAYING, obeys, start
+from tests.support.play import PLAYING, STOPPED, obeys, start
 from tests.support.player import Eyes, Player
+from tests.support.polling import until
 from tests.support.programs import ROOT
-from tests.support.rehearsal import FOLDER, Playbook, Rehearsal, docker
+from tests.support.rehearsal import FOLDER, Playbook, Rehearsal, docker, power_off, power_on
 
 Measured = Callable[[str], None]
 VERSION = ElementTree.parse(ROOT / "laser_bot_battle" / "package.xml").findtext("version")
 PLATFORMS = {"webserver": "linux/amd64", "rosberry": "linux/amd64,linux/arm/v7"}
+FIRMWARE = "/opt/laserbot/firmware/laserbot.hex"
 
 
 @contextmanager
 def archive(tag: str, changed: str, *lines: str) -> Iterator[Path]:
     """An archive in which one image is changed by these lines of a Dockerfile, and the other as it is."""
     (other,) = PLATFORMS.keys() - {changed}
-    file, recipe = FOLDER / f"{tag}.tar", FOLDER / f"{tag}.Dockerfile"
-    recipe.write_text("\n".join([f"FROM {changed}:{VERSION}", *lines, ""]))
-    docker("build", f"--platform={PLATFORMS[changed]}", f"--file={recipe}", "--provenance=false",
-           f"--tag={changed}:{tag}", str(FOLDER / "inventory"))  # fmt: skip
-    docker("save", f"--output={file}", f"{changed}:{tag}", f"{other}:{VERSION}")
-    docker("image", "rm", f"{changed}:{tag}")
+    folder = FOLDER / tag
+    folder.mkdir(exist_ok=True)
     try:
-        yield file
+        (folder / "Dockerfile").write_text("\n".join([f"FROM {changed}:{VERSION}", *lines, ""]))
+        options = [f"--platform={PLATFORMS[changed]}", "--provenance=false", f"--tag={changed}:{tag}"]
+        docker("build", *options, str(folder))
+        docker("save", f"--output={folder}/images.tar", f"{changed}:{tag}", f"{other}:{VERSION}")
+        docker("image", "rm", f"{changed}:{tag}")
+        yield folder / "images.tar"
     finally:
-        file.unlink()
-        recipe.unlink()
+        shutil.rmtree(folder)
 
 
 @pytest.fixture(scope="module")
 def better(rehearsal: Rehearsal) -> Iterator[Path]:
+    """The master's part of the update has been done: a --limit that leaves the master out needs that."""
     with archive("better", "rosberry", "LABEL better=yes") as file:
+        rehearsal.playbook("update", "--limit=master", f"--extra-vars=fleet_images_archive={file}")
         yield file
 
 
 @pytest.fixture(scope="module")
 def broken(rehearsal: Rehearsal) -> Iterator[Path]:
-    with archive("broken", "rosberry", 'CMD ["python3", "-m", "robot.no_such_program"]') as file:
+    """A robot's program that is not there, and another firmware: with a byte where there was none."""
+    firmware = docker("run", "--rm", "--entrypoint=cat", f"rosberry:{VERSION}", FIRMWARE)
+    other = ["COPY <<END " + FIRMWARE, ":01700000AAE5", firmware.strip(), "END"]
+    with archive("broken", "rosberry", *other, 'CMD ["python3", "-m", "robot.no_such_program"]') as file:
         yield file
 
 
 @pytest.fixture
 def broken_master(rehearsal: Rehearsal) -> Iterator[Path]:
     """ROS master and rosbridge work; the web server, the last to start, is a list of hosts instead of a program."""
-    with archive("broken-master", "webserver", "COPY hosts.yml /opt/laserbot/server/main/__init__.py") as file:
+    program = "/opt/laserbot/server/main/__init__.py"
+    with archive("broken-master", "webserver", f"COPY <<END {program}", "laser_bot_master:", "END") as file:
         yield file
 
 
@@ -61,16 +70,28 @@ def images(machines: list[Machine]) -> list[str]:
 
 
 def test_robots_get_a_new_image_and_go_back(rehearsal: Rehearsal, better: Path, measured: Measured) -> None:
+    """But for one that is off: it is left out by the update, and has nothing to go back from."""
+    update = ("update", f"--extra-vars=fleet_images_archive={better} batch=2")
+    absent, *others = rehearsal.robots
     old = images(rehearsal.robots)
-    measured("")
-    rehearsal.playbook("update", f"--extra-vars=fleet_images_archive={better} batch=2")
-    measured("updated, two at a time")
-    new = images(rehearsal.robots)
+    dry = rehearsal.playbook(*update, "--check", "--diff")
+    assert all(row["failed"] == 0 for row in dry.recap.values())
+    assert images(rehearsal.robots) == old
+
+    power_off(absent)
+    try:
+        measured("")
+        run = rehearsal.playbook(*update)
+        measured("updated, two at a time, a third one is off")
+    finally:
+        power_on(absent)
+    assert f"{absent.name} is off and keeps its image" in run.output
+    new = images(others)
     assert len(set(new)) == 1
     assert set(new).isdisjoint(old)
     rehearsal.wait_until_complete()
     measured("")
-    rehearsal.playbook("rollback", "--limit=robots")
+    rehearsal.playbook("rollback")
     measured("rolled back")
     assert images(rehearsal.robots) == old
     rehearsal.wait_until_complete()
@@ -103,6 +124,31 @@ def test_an_update_leaves_robots_in_a_battle_alone(
     assert images([third]) == old[2:]
 
 
+def test_a_robot_that_is_drawn_into_a_battle_meanwhile_is_left_alone(
+    rehearsal: Rehearsal, players: tuple[Player, Player], better: Path
+) -> None:
+    """It was free when it was asked for, but others of its batch were not, and then a new battle began."""
+    ann, bob = players
+    old = images(rehearsal.robots)
+    variables = f"fleet_images_archive={better} batch=3 max_fail=100 fleet_battle_patience=16"
+    with Player(rehearsal, "Cy") as cy:
+        hosts = {player.name: rehearsal.machines[f"raspberrypi{player.robot}"].name for player in (ann, bob, cy)}
+        start(ann, bob)
+        run = Playbook("update", "--limit=robots", f"--extra-vars={variables}")
+        run.wait_for("TASK [fleet : Ask the server", 200)
+        until(lambda: f"ok: [{hosts['Cy']}" in run.output.rpartition("TASK [fleet : Ask")[2], 30, "Cy's robot is free")
+        bob.post("signOutUser", data=bob.name)
+        ann.wait_for_game(STOPPED)
+        start(ann, cy)
+        run.finish(check=False)
+    assert {name for name, row in run.recap.items() if row["failed"]} == {hosts["Ann"], hosts["Cy"]}, run.output
+    changed = [now != before for now, before in zip(images(rehearsal.robots), old, strict=True)]
+    assert changed == [robot.name == hosts["Bob"] for robot in rehearsal.robots]
+    rehearsal.playbook("rollback", "--extra-vars=fleet_battle_patience=400")
+    assert images(rehearsal.robots) == old
+    rehearsal.wait_until_complete()
+
+
 def stored(machine: Machine) -> set[str]:
     """The fleet's images on the host."""
     return set(machine.run("docker image ls --digests --format '{{.Repository}}@{{.Digest}}' '*:5443/*'").split())
@@ -113,13 +159,15 @@ def test_an_image_that_does_not_start_is_refused_though_the_update_was_broken_of
 ) -> None:
     old = images(rehearsal.robots)
     first = rehearsal.robots[0]
-    release = first.run("cat /etc/laserbot/release.json")
+    release, flashed = (first.run(f"cat /etc/laserbot/{name}.json") for name in ("release", "firmware"))
     broken_off = Playbook("update", f"--extra-vars=fleet_images_archive={broken}")
     broken_off.wait_for("TASK [docker : Wait for the health of laserbot-robot", 400)
     broken_off.stop(signal.SIGINT, 60)
     assert images([first]) != old[:1]
+    assert json.loads(first.run("cat /etc/laserbot/firmware.json"))["sum"] != json.loads(flashed)["sum"]
     rehearsal.playbook("rollback", f"--limit={first.name}")
     assert images([first]) == old[:1], "not the one before the last that worked"
+    assert first.run("cat /etc/laserbot/firmware.json") == flashed
 
     measured("")
     run = rehearsal.playbook(
@@ -131,7 +179,9 @@ def test_an_image_that_does_not_start_is_refused_though_the_update_was_broken_of
     assert "No module named robot.no_such_program" in run.output, "what the service said"
     assert f"runs with {old[0]} again" in run.output
     assert images(rehearsal.robots) == old
-    assert first.run("cat /etc/laserbot/release.json") == release
+    assert [first.run(f"cat /etc/laserbot/{name}.json") for name in ("release", "firmware")] == [release, flashed]
+    rehearsal.playbook("rollback")
+    assert images(rehearsal.robots) == old, "nobody has got the newest release: nothing to go back from"
     rehearsal.wait_until_complete()
     known = json.loads(release)
     assert stored(first) == {known["current"], known["previous"]} - {""}, "the refused one takes no room"
