@@ -34,6 +34,27 @@ def test_a_host_that_would_be_locked_out_is_left_alone(rehearsal: Rehearsal) -> 
     assert rehearsal.playbook("deploy", "--limit=raspberrypi1").changed > 0
 
 
+def test_a_robot_that_is_off_and_known_by_name_stops_a_deploy_but_no_update(
+    rehearsal: Rehearsal, tmp_path: Path
+) -> None:
+    """Without its address the firewall would keep it out, unless the operator says who may come in."""
+    more = tmp_path / "more.yml"
+    more.write_text("robots: {hosts: {raspberrypi9: {ansible_host: raspberrypi9.invalid}}}")
+    refused = rehearsal.playbook("deploy", f"--inventory={more}", check=False)
+    assert "Nobody knows the address of raspberrypi9, so the firewall would keep it out" in refused.output
+    assert {name for name, row in refused.recap.items() if row["failed"]} <= set(rehearsal.machines)
+    knob = json.dumps({"firewall_fleet": ["10.217.0.0/24"]})
+    rules = "nft list chain inet laserbot input"
+    before = rehearsal.master.run(rules)
+    rehearsal.playbook("deploy", f"--inventory={more}", f"--extra-vars={knob}", check=False)
+    assert len(re.findall(r"ip saddr (?:\{ )?10\.217\.0\.0/24 .*dport", rehearsal.master.run(rules))) == 3
+    updated = rehearsal.playbook("update", f"--inventory={more}")
+    assert "raspberrypi9 is off and keeps its image" in updated.output
+    assert updated.recap["laser_bot_master"]["failed"] == 0
+    rehearsal.playbook("deploy")
+    assert rehearsal.master.run(rules) == before
+
+
 def test_a_second_deploy_changes_nothing(rehearsal: Rehearsal) -> None:
     run = rehearsal.playbook("deploy")
     print(f"second run: {run.seconds:.0f} s")
