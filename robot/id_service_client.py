@@ -91,9 +91,12 @@ def find_arduino(devices: tuple[str, ...]) -> str:
 
 
 def keep(robot_id: int, node: SerialNode, pings: PingThread, led: Status, retry: float) -> int:
-    """Watch a working robot, register it again when the server forgets it; returns its ID when that has changed.
+    """Watch a working robot until the server has forgotten it and registered it again; returns its ID then.
 
     ArduinoLostError when the serial node ends.
+
+    The serial node starts anew even if the ID is the same: after an outage its subscriber may hold a connection whose
+    other end was closed unheard. Until it hears of that, it takes the next player for the one that it has (rospy).
     """
     register_at = 0.0
     while node.exit_code is None:
@@ -102,14 +105,9 @@ def keep(robot_id: int, node: SerialNode, pings: PingThread, led: Status, retry:
             log.warning("the server does not know robot %d (any more): registering again", robot_id)
             register_at = time.monotonic() + retry
             try:
-                new_id = register(wanted=lambda: node.exit_code is None)
+                return register(wanted=lambda: node.exit_code is None)
             except RegistrationError as error:
                 log.error("%s (again in %g s)", error, retry)
-                continue
-            if new_id != robot_id:
-                return new_id
-            log.info("still robot %d", robot_id)
-            pings.unknown.clear()
         time.sleep(POLL)
     raise ArduinoLostError(f"Connection to Arduino lost: the serial node ended with exit code {node.exit_code}")
 

@@ -49,9 +49,21 @@ def test_a_robots_network_is_cut_for_longer(
             measured("the wheels stand still")
             pause(seconds)
             assert not bob.user("Ann"), "a robot that is silent for 4 s is removed with its player"
+            ann.bridge.close()  # as her page does then: the robot does not hear of it
         measured("")
-        until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 60, "the robot is back")
-        measured("the robot is back")
+        comes_back(rehearsal, bob, ann.robot, eyes, measured)
+
+
+def comes_back(rehearsal: Rehearsal, bob: Player, robot: int, eyes: Eyes, measured: Measured) -> None:
+    """A robot that was gone, not only to the server: it obeys its next player. Bob has the one robot that stayed."""
+    until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 60, "the robot is back")
+    measured("the robot is back")
+    with Player(rehearsal, "Cy") as cy, Player(rehearsal, "Dee") as dee:
+        (driver,) = (player for player in (cy, dee) if player.robot == robot)
+        start(bob, driver)
+        measured("its next player is in a battle")
+        obeys(driver, eyes)
+        measured("it obeys")
 
 
 def test_a_third_of_a_robots_packets_are_lost(
@@ -68,8 +80,7 @@ def test_a_third_of_a_robots_packets_are_lost(
             obeys(ann, eyes)
             measured("the robot, in the battle all the time, obeys")
         else:
-            until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 60, "the robot is back")
-            measured("the robot, which had been silent for too long, is back")
+            comes_back(rehearsal, bob, ann.robot, eyes, measured)
 
 
 def test_avahi_restarts(rehearsal: Rehearsal, measured: Measured) -> None:

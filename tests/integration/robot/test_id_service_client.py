@@ -68,7 +68,7 @@ def test_a_robot_whose_arduino_does_not_answer_is_not_registered(
     robot.wait_for("New robot ID = 0")
 
 
-def test_a_server_that_forgot_the_robot_is_asked_again_and_the_serial_node_goes_on(
+def test_a_server_that_forgot_the_robot_is_asked_again_and_the_serial_node_starts_anew(
     ids: IdService, web: WebServer, robot: Program
 ) -> None:
     node = serial_node(robot, 0)
@@ -76,10 +76,11 @@ def test_a_server_that_forgot_the_robot_is_asked_again_and_the_serial_node_goes_
     web.answer = '{"status": "ERROR"}'
     until(lambda: len(ids.callers) == 2)
     web.answer = '{"status": "OK"}'
-    robot.wait_for("still robot 0")
+    until(lambda: robot.output.count("New robot ID = 0") == 2)
+    until(lambda: robot.output.count("/Robot0/command") == 2, 15)
     pings = len(web.pings)
     until(lambda: len(web.pings) > pings + 3)
-    assert serial_node(robot, 0) == node
+    assert serial_node(robot, 0) != node
 
 
 def test_a_new_id_starts_the_serial_node_under_the_new_name(ids: IdService, web: WebServer, robot: Program) -> None:
