@@ -72,6 +72,16 @@ def test_a_host_has_its_name(machine: Machine) -> None:
     assert machine.run("hostname").strip() == ("laser-bot-master" if machine.group == "master" else machine.name)
 
 
+def test_a_host_that_crashes_or_hangs_restarts(machine: Machine) -> None:
+    """Both settings are the kernel's: a host that shares it has neither."""
+    shared = machine.host.run("systemd-detect-virt --container --quiet").rc == 0
+    wanted = machine.run("cat /etc/systemd/system.conf.d/laserbot.conf").rpartition("=")[2].strip()
+    assert wanted == "0" or not shared
+    manager = "org.freedesktop.systemd1 /org/freedesktop/systemd1 org.freedesktop.systemd1.Manager"
+    assert machine.run(f"busctl get-property {manager} RuntimeWatchdogUSec").split() == ["t", f"{int(wanted) * 10**6}"]
+    assert shared or machine.run("sysctl --values kernel.panic kernel.panic_on_oops").split() == ["10", "1"]
+
+
 def test_ssh_wants_a_key(machine: Machine) -> None:
     """By its settings, and in the words of the one that runs."""
     log_in = ["ssh", *shlex.split(machine.ssh), "-o", "PreferredAuthentications=none", "-o", "ControlPath=none"]

@@ -2,6 +2,7 @@
 
 import json
 import re
+import shlex
 
 from tests.support.fleet import Fleet, Machine
 from tests.support.polling import until
@@ -21,9 +22,11 @@ def test_images_are_named_by_digest_and_remembered(machine: Machine) -> None:
 
 
 def test_the_image_is_of_its_platform(robot: Machine) -> None:
-    names = {"linux/amd64": "x86_64", "linux/arm64": "aarch64", "linux/arm/v7": "armv7l"}
-    wanted = names[robot.platform] if robot.platform else robot.run("uname -m").strip()
-    assert robot.run("docker exec laserbot-robot uname -m").strip() == wanted
+    architectures = {"amd64": "linux/amd64", "arm64": "linux/arm64", "armhf": "linux/arm/v7"}
+    wanted = robot.platform or architectures[robot.run("dpkg --print-architecture").strip()]
+    kind = '{{.Os}}/{{.Architecture}}{{if eq .Architecture "arm"}}/{{.Variant}}{{end}}'
+    image = robot.container("laserbot-robot")["Image"]
+    assert robot.run(f"docker image inspect --format {shlex.quote(kind)} {image}").strip() == wanted
 
 
 def test_containers_are_kept_in(machine: Machine) -> None:

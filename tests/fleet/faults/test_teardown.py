@@ -31,6 +31,8 @@ def test_a_fleet_is_torn_down_and_comes_back(rehearsal: Rehearsal, measured: Mea
         reach = f"import socket; socket.create_connection(('{machine.address}', 22), 5).close(); print('reached')"
         assert ask_from("laserbot-fleet", reach).strip() == "reached", "there is no firewall any more"
 
+    dry = rehearsal.playbook("deploy", "--check", "--diff")
+    assert all(row["failed"] == 0 for row in dry.recap.values())
     measured("")
     with command_lines() as shown:
         run = rehearsal.playbook("deploy", "--diff")

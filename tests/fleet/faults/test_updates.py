@@ -58,6 +58,12 @@ def broken(rehearsal: Rehearsal) -> Iterator[Path]:
 
 
 @pytest.fixture
+def better_master(rehearsal: Rehearsal) -> Iterator[Path]:
+    with archive("better-master", "webserver", "LABEL better=yes") as file:
+        yield file
+
+
+@pytest.fixture
 def broken_master(rehearsal: Rehearsal) -> Iterator[Path]:
     """ROS master and rosbridge work; the web server, the last to start, is a list of hosts instead of a program."""
     program = "/opt/laserbot/server/main/__init__.py"
@@ -91,9 +97,33 @@ def test_robots_get_a_new_image_and_go_back(rehearsal: Rehearsal, better: Path, 
     assert set(new).isdisjoint(old)
     rehearsal.wait_until_complete()
     measured("")
+    others[0].run("touch /etc/laserbot/unfinished")  # a deploy was broken off: none of a rollback's business
     rehearsal.playbook("rollback")
     measured("rolled back")
+    others[0].run("rm /etc/laserbot/unfinished")
     assert images(rehearsal.robots) == old
+    rehearsal.wait_until_complete()
+
+
+def test_the_master_gets_a_new_image_and_goes_back(
+    rehearsal: Rehearsal, better_master: Path, measured: Measured
+) -> None:
+    """All of its services; the robots come back to the new ones by themselves."""
+    services = rehearsal.master.services
+
+    def running() -> list[str]:
+        return [rehearsal.master.container(service)["Config"]["Image"] for service in services]
+
+    old, robots = running(), images(rehearsal.robots)
+    measured("")
+    rehearsal.playbook("update", f"--extra-vars=fleet_images_archive={better_master}")
+    measured("master updated, robots left as they are")
+    assert set(running()).isdisjoint(old)
+    assert images(rehearsal.robots) == robots
+    rehearsal.wait_until_complete()
+    measured("all robots are back")
+    rehearsal.playbook("rollback", "--limit=master")
+    assert running() == old
     rehearsal.wait_until_complete()
 
 
