@@ -176,7 +176,6 @@ def test_a_robot_that_is_drawn_into_a_battle_meanwhile_is_left_alone(
     assert changed == [robot.name == hosts["Bob"] for robot in rehearsal.robots]
     rehearsal.playbook("rollback", "--extra-vars=fleet_battle_patience=400")
     assert images(rehearsal.robots) == old
-    rehearsal.wait_until_complete()
 
 
 def stored(machine: Machine) -> set[str]:
