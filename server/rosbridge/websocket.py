@@ -124,7 +124,14 @@ class WebSocketServer:
         self._server.close()
         await self._server.wait_closed()
 
-    def _admit(self, connection: ServerConnection, _request: Request) -> Response | None:
+    def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
+        """The answer to who is not let in. websockets logs nothing about an answer from here."""
+        if [protocol.lower() for protocol in request.headers.get_all("Upgrade")] != ["websocket"]:
+            # a health check asks like this: it must get the same answer when there is no place for a client
+            response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, "this is a WebSocket server\n")
+            response.headers["Upgrade"] = "websocket"
+            response.headers["Connection"] = "Upgrade"  # beside "close": RFC 9110 7.8 wants it with every Upgrade
+            return response
         if self._clients < MOST_CLIENTS:
             return None
         _log.warning("a client is refused: %d are connected", self._clients)

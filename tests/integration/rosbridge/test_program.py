@@ -5,8 +5,10 @@ import socket
 import sys
 
 import pytest
+import requests
 from websockets.exceptions import InvalidStatus
 
+from images import health
 from tests.integration.rosbridge.conftest import Rosbridge
 from tests.integration.rosbridge.ends import NEUTRAL, Client, RosSide
 from tests.support.polling import until
@@ -43,7 +45,7 @@ def test_the_robot_stops_when_rosbridge_ends(ros_master: RosMaster, ros: RosSide
             operator.hear()
 
 
-def test_no_more_clients_than_it_can_serve_are_let_in(ros_master: RosMaster) -> None:
+def test_no_more_clients_than_it_can_serve_are_let_in(ros_master: RosMaster, monkeypatch: pytest.MonkeyPatch) -> None:
     rosbridge = Rosbridge(ros_master)
     rosbridge.program.wait_for("listening")
     port = rosbridge.port
@@ -53,6 +55,8 @@ def test_no_more_clients_than_it_can_serve_are_let_in(ros_master: RosMaster) -> 
             for _ in range(101):
                 clients.append(Client(port))
         assert len(clients) == 100
+        monkeypatch.setenv("LASERBOT_ROSBRIDGE_PORT", str(port))
+        health.rosbridge()  # it is full, not sick
     finally:
         for connected in clients:
             connected.close()
@@ -66,6 +70,19 @@ def may_connect(port: int) -> bool:
     except InvalidStatus:
         return False
     return True
+
+
+def test_a_plain_request_is_told_to_upgrade_and_leaves_no_line_in_the_log(ros_master: RosMaster) -> None:
+    rosbridge = Rosbridge(ros_master)
+    before = rosbridge.program.wait_for("listening")
+    answer = requests.get(f"http://127.0.0.1:{rosbridge.port}", timeout=5)
+    assert answer.status_code == 426
+    assert answer.headers["Upgrade"] == "websocket"
+    assert answer.headers["Connection"] == "close, Upgrade"
+    with Client(rosbridge.port):
+        (line,) = rosbridge.program.wait_for(": connected").removeprefix(before).splitlines()
+    assert ": connected" in line
+    assert rosbridge.program.stop(seconds=2) == 0
 
 
 def test_it_waits_for_the_master_and_can_be_stopped_meanwhile() -> None:
