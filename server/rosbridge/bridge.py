@@ -116,6 +116,9 @@ class Bridge:
             values = await self._services.call(call.service, call.args, call.timeout)
         except RequestError as error:
             reason = str(error)
+        except Exception:  # whatever it was, the client hears of the end, and its call counts no longer as under way
+            _log.exception("the call of %s failed", call.service)
+            reason = "the call failed"
         if session in self._links:
             self._perform(session, call.done(values, reason, self._loop.time()))
 

@@ -3,6 +3,7 @@
 import signal
 import socket
 import sys
+from xmlrpc.client import ServerProxy
 
 import pytest
 import requests
@@ -82,6 +83,23 @@ def test_a_plain_request_is_told_to_upgrade_and_leaves_no_line_in_the_log(ros_ma
     with Client(rosbridge.port):
         (line,) = rosbridge.program.wait_for(": connected").removeprefix(before).splitlines()
     assert ": connected" in line
+    assert rosbridge.program.stop(seconds=2) == 0
+
+
+def test_a_service_call_that_fails_in_an_unforeseen_way_is_answered_and_logged(ros_master: RosMaster) -> None:
+    rosbridge = Rosbridge(ros_master)
+    rosbridge.program.wait_for("listening")
+    with ServerProxy(ros_master.uri) as master:  # the master takes any address, even one whose port is no number
+        master.registerService("/nobody", "/broken", "rosrpc://127.0.0.1:port", "http://127.0.0.1:1")
+    with Client(rosbridge.port).operate() as operator:
+        for number in range(17):  # one more than may be under way at once
+            operator.say("call_service", service="/broken", id=number)
+            assert operator.hear_error() == "call_service /broken: the call failed"
+            assert operator.hear() == {
+                "op": "service_response", "service": "/broken", "values": "the call failed", "result": False,
+                "id": number,
+            }  # fmt: skip
+    assert "the call of /broken failed\nTraceback" in rosbridge.program.output
     assert rosbridge.program.stop(seconds=2) == 0
 
 
