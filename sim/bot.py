@@ -14,7 +14,7 @@ import aiohttp
 from sim.bot_course import Course
 from sim.bot_game import RETRY, Arena, Eyes, GameError, Rosbridge, Status, Web
 from sim.bot_mind import NEUTRAL, Command, Mind
-from sim.bot_settings import PREFIX, Settings, following
+from sim.bot_settings import PREFIX, Settings, following, is_bot
 from sim.environment import SettingsError
 
 TICK = 0.04  # s between two commands
@@ -23,7 +23,7 @@ READY_PAUSE = 0.5  # s between two calls that change ready
 GOODBYE_SECONDS = 2.0
 
 HELP = f"""\
-A bot's name begins with {PREFIX}; if it is taken, the bot tries the next number. It gets ready when somebody who is
+A bot's name is {PREFIX} and a number; if it is taken, the bot tries the next one. It gets ready when somebody who is
 no bot is ready, and takes that back likewise.
 
 variables: LASERBOT_MASTER, LASERBOT_WEB_PORT (5000), LASERBOT_ROSBRIDGE_PORT (9090), LASERBOT_ARENA_PORT (8080),
@@ -39,7 +39,7 @@ class SignedOutError(Exception):
 
 def wants_ready(status: Status) -> bool:
     """Whether a bot is ready to play: when a player who is no bot is."""
-    return any(player.ready and not player.name.startswith(PREFIX) for player in status.players)
+    return any(player.ready and not is_bot(player.name) for player in status.players)
 
 
 class Bot:

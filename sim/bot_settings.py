@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 from sim.environment import SettingsError, parse_port, read_log_level, read_port
 
-PREFIX = "Bot"  # of every bot's name: a bot fights only when somebody plays whose name does not begin so
+PREFIX = "Bot"  # a bot is called this and a number: it fights only when somebody plays who is called otherwise
 _ROBOT = re.compile(r"[0-9]{1,3}")
-_NAME = re.compile(PREFIX + r"[A-Za-z0-9_]{0,13}")
+_NAME = re.compile(PREFIX + r"[0-9]{1,13}")  # at most 16 letters, like every player's
 
 
 @dataclass(frozen=True)
@@ -40,8 +40,8 @@ class Settings:
 
         SettingsError if a value is impossible; an empty variable counts as not set.
         """
-        if not _NAME.fullmatch(name):
-            raise SettingsError(f"--name {name}: must be {PREFIX} and up to 13 letters, digits or _")
+        if not is_bot(name):
+            raise SettingsError(f"--name {name}: must be {PREFIX} and a number of up to 13 digits")
         if robot is not None and not _ROBOT.fullmatch(robot):
             raise SettingsError(f"--robot {robot}: must be the ID of a robot")
         master = master or env.get("LASERBOT_MASTER") or "laser_bot_master.local"
@@ -82,8 +82,11 @@ def _place(env: Mapping[str, str], option: str, text: str | None, variable: str,
     return host, parse_port(port, f"{option} port")
 
 
+def is_bot(name: str) -> bool:
+    """Whether a player of this name is a bot: Bot1 is one, Botond is a person."""
+    return _NAME.fullmatch(name) is not None
+
+
 def following(name: str) -> str:
-    """The name to try when `name` is taken: Bot -> Bot2, Bot1 -> Bot2, Bot_9 -> Bot_10; at most 16 letters."""
-    stem = name.rstrip("0123456789")
-    number = str(int(name[len(stem) :] or "1") + 1)
-    return stem[: 16 - len(number)] + number
+    """The bot's name to try when `name` is taken: Bot1 -> Bot2."""
+    return f"{PREFIX}{int(name.removeprefix(PREFIX)) + 1}"
