@@ -104,7 +104,7 @@ def test_a_service_call_that_fails_in_an_unforeseen_way_is_answered_and_logged(r
 
 
 def test_it_waits_for_the_master_and_can_be_stopped_meanwhile() -> None:
-    program = start(ROS_MASTER_URI=f"http://127.0.0.1:{free_port()}")
+    program = start(ROS_MASTER_URI=f"http://127.0.0.1:{free_port()}", LASERBOT_ROSBRIDGE_PORT=str(free_port()))
     program.wait_for("waiting")
     assert program.stop(seconds=2) == 0
     assert "Traceback" not in program.output
