@@ -3,9 +3,12 @@
 import json
 import re
 
+import yaml
+
 from tests.support.programs import ROOT
 
 README = (ROOT / "README.md").read_text()
+SERVICES = yaml.safe_load((ROOT / "compose.yaml").read_text())["services"]
 VARIABLE = re.compile(r"\bLASERBOT_[A-Z]+(?:_[A-Z]+)*\b")
 
 
@@ -21,6 +24,13 @@ def test_every_variable_that_a_program_reads_is_in_the_table_and_no_other() -> N
     rows = re.findall(r"^\| (`LASERBOT_[^|]+) \|", README, re.MULTILINE)
     listed = {name for row in rows for name in VARIABLE.findall(row)}
     assert listed == read
+
+
+def test_compose_passes_ros_variables_to_robots_and_the_address_to_their_master() -> None:
+    robot = SERVICES["robot"]["environment"]
+    assert [robot[name] for name in ("ROS_MASTER_URI", "ROS_IP", "ROS_HOSTNAME")] == [None] * 3, "as they are outside"
+    for service in ("ros-master", "rosbridge", "web"):
+        assert SERVICES[service]["environment"]["ROS_HOSTNAME"].startswith("${ROS_IP:-")
 
 
 def test_every_folder_and_command_that_is_named_exists() -> None:
