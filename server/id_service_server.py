@@ -39,6 +39,7 @@ class IdServiceServer:
         robot_id = self._battle.add_robot(caller)
         if robot_id is None:
             raise rospy.ServiceException("no ID left: 128 robots are registered")
+        self._roster.doubt(caller)
         self._follow_robots()
         self._save_roster()
         return AddNewRobotResponse(robot_id)

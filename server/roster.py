@@ -15,6 +15,8 @@ from server.robot import IDS
 
 _log = logging.getLogger(__name__)
 
+_CALLER = "/id_service_client_"  # what a robot's ROS name begins with, as robot/settings.py makes it
+
 
 class Roster:
     """The file in `folder`, which is made when it is missing. What is `fixed` (IDs by ROS names) goes before it."""
@@ -22,6 +24,7 @@ class Roster:
     def __init__(self, folder: Path, fixed: Mapping[str, int] | None = None) -> None:
         self.path = folder / "robots.json"
         self._fixed = dict(fixed or {})
+        self._doubted: set[str] = set()
 
     def load(self) -> dict[str, int]:
         """The IDs by the robots' ROS names. A broken file is kept beside as robots.json.broken."""
@@ -66,6 +69,19 @@ class Roster:
             if temporary:
                 Path(temporary).unlink(missing_ok=True)
 
+    def doubt(self, caller: str) -> None:
+        """Warn, once, of a robot that seems to be a fixed one under its default name: host name, `_`, MAC address."""
+        if caller in self._fixed or caller in self._doubted:
+            return
+        meant = max((name for name in self._fixed if caller.startswith(f"{name}_")), key=len, default=None)
+        if meant:
+            self._doubted.add(caller)
+            name, fixed = caller.removeprefix(_CALLER), meant.removeprefix(_CALLER)
+            _log.warning(
+                "robot %s is not the %s of LASERBOT_ROSTER; if it should be, set LASERBOT_ROBOT_NAME=%s on it",
+                name, fixed, fixed,
+            )  # fmt: skip
+
 
 def parse_fixed(text: str) -> dict[str, int]:
     """The IDs by the robots' ROS names, from `name=ID` words between spaces or commas. ValueError: what is wrong."""
@@ -74,7 +90,7 @@ def parse_fixed(text: str) -> dict[str, int]:
         name, _, number = word.rpartition("=")
         if not name or not re.fullmatch(r"[0-9]{1,3}", number) or int(number) not in IDS:
             raise ValueError(f"{word!r} is not name=ID with an ID from 0 to 127")
-        caller = "/id_service_client_" + re.sub(r"[^A-Za-z0-9_]", "_", name)  # as robot/settings.py makes it
+        caller = _CALLER + re.sub(r"[^A-Za-z0-9_]", "_", name)
         if caller in fixed or int(number) in fixed.values():
             raise ValueError(f"{word!r} has a name or an ID twice")
         fixed[caller] = int(number)

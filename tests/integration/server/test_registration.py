@@ -61,6 +61,13 @@ def test_an_id_that_the_operator_fixed_is_reserved_for_its_robot(launch, tmp_pat
     assert server.robot("a").id == 0
 
 
+def test_a_robot_that_seems_to_be_a_fixed_one_is_told_how_to_become_it(launch):
+    server = launch(LASERBOT_ROSTER="a=0")
+    server.wait_until_serving()
+    assert server.robot("a_b8_27_eb_00_00_01").id == 1
+    until(lambda: "set LASERBOT_ROBOT_NAME=a on it" in server.program.output)
+
+
 def test_a_broken_roster_is_kept_aside_and_robots_start_afresh(launch, tmp_path):
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "robots.json").write_text('{"/id_service_client_a": ')

@@ -94,3 +94,18 @@ def test_fixed_ids_are_words_of_name_and_id():
 def test_a_wrong_fixed_id_is_named(text):
     with pytest.raises(ValueError, match=r"is not name=ID|twice"):
         parse_fixed(text)
+
+
+def test_a_default_name_of_a_fixed_robot_is_doubted_once(tmp_path, caplog):
+    roster = Roster(tmp_path, parse_fixed("pi=1 pi_2=2"))
+    for _ in range(2):
+        roster.doubt("/id_service_client_pi_2_b8_27_eb_00_00_01")
+    (record,) = caplog.records
+    assert record.levelname == "WARNING"
+    assert "pi_2_b8_27_eb_00_00_01 is not the pi_2 of LASERBOT_ROSTER" in record.message
+
+
+@pytest.mark.parametrize("name", ["pi", "pi_2", "pi3", "p"])
+def test_other_names_are_not_doubted(tmp_path, caplog, name):
+    Roster(tmp_path, parse_fixed("pi=1 pi_2=2")).doubt(f"/id_service_client_{name}")
+    assert not caplog.records
