@@ -3,13 +3,20 @@
 import json
 import re
 
+import pytest
 import yaml
 
+from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT
 
 README = (ROOT / "README.md").read_text()
-SERVICES = yaml.safe_load((ROOT / "compose.yaml").read_text())["services"]
 VARIABLE = re.compile(r"\bLASERBOT_[A-Z]+(?:_[A-Z]+)*\b")
+ROWS = re.findall(r"^\| (`LASERBOT_[^|]+) \|(.*)", README, re.MULTILINE)
+LISTED = {name for names, _ in ROWS for name in VARIABLE.findall(names)}
+MARKED = {name for names, rest in ROWS if "not with compose" in rest for name in VARIABLE.findall(names)}
+COMPOSE = (ROOT / "compose.yaml").read_text()
+SERVICES = yaml.safe_load(COMPOSE)["services"]
+INTERPOLATED = set(re.findall(r"\$\{(LASERBOT_\w+)", COMPOSE))
 
 
 def test_every_variable_that_a_program_reads_is_in_the_table_and_no_other() -> None:
@@ -21,9 +28,22 @@ def test_every_variable_that_a_program_reads_is_in_the_table_and_no_other() -> N
     ]
     sources.append(ROOT / "compose.yaml")
     read = {name for path in sources for name in VARIABLE.findall(path.read_text())}
-    rows = re.findall(r"^\| (`LASERBOT_[^|]+) \|", README, re.MULTILINE)
-    listed = {name for row in rows for name in VARIABLE.findall(row)}
-    assert listed == read
+    assert read == LISTED
+
+
+def test_compose_takes_every_variable_of_the_table_but_those_that_are_marked() -> None:
+    environments = [service.get("environment", {}) for service in SERVICES.values()]
+    passed = {name for environment in environments for name, value in environment.items() if value is None}
+    assert {name for name in passed if VARIABLE.fullmatch(name)} | INTERPOLATED == LISTED - MARKED
+
+
+@pytest.mark.parametrize(
+    "service, program",
+    [("rosbridge", "server.rosbridge"), ("web", "server.main"), ("robot", "robot.id_service_client")],
+)
+def test_compose_gives_a_fleets_program_all_that_it_reads(service: str, program: str) -> None:
+    read = ProgramSettings(["python3", "-m", program], {}).variables
+    assert {name for name in read if VARIABLE.fullmatch(name)} - MARKED <= SERVICES[service]["environment"].keys()
 
 
 def test_compose_passes_ros_variables_to_robots_and_the_address_to_their_master() -> None:
@@ -42,6 +62,6 @@ def test_every_folder_and_command_that_is_named_exists() -> None:
 
 def test_there_is_one_version() -> None:
     version = re.search(r"<version>(.+)</version>", (ROOT / "laser_bot_battle/package.xml").read_text())[1]
-    assert set(re.findall(r"LASERBOT_VERSION:-([^}]+)}", (ROOT / "compose.yaml").read_text())) == {version}
+    assert set(re.findall(r"LASERBOT_VERSION:-([^}]+)}", COMPOSE)) == {version}
     assert json.loads((ROOT / "package.json").read_text())["version"] == version
     assert json.loads((ROOT / "package-lock.json").read_text())["version"] == version
