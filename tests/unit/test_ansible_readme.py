@@ -52,3 +52,14 @@ def test_its_steps_make_an_inventory(tmp_path: Path) -> None:
     assert {"fleet_registry_password", "fleet_operator_token"} <= secrets.keys()
     vault = tmp_path / "ansible/inventory/mine/group_vars/all/vault.yml"
     assert vault.read_text().startswith("$ANSIBLE_VAULT")
+
+
+def test_the_firewall_by_hand_closes_the_ports_of_the_fleets() -> None:
+    fleets = (ANSIBLE / "roles/firewall/templates/firewall.nft.j2").read_text()
+    (ros_nodes,) = re.findall(r"ros_nodes = '(.*)'", fleets)
+    (ros_master,) = re.findall(
+        r"^fleet_ros_port: (.*)$", (ANSIBLE / "roles/fleet/vars/main.yml").read_text(), re.MULTILINE
+    )
+    for document in ("README.md", "k3s/README.md"):
+        (rule,) = re.findall(r"^ +iifname .* drop$", (ROOT / document).read_text(), re.MULTILINE)
+        assert f"tcp dport {{ {ros_master}, {ros_nodes} }} ip saddr != " in rule
