@@ -33,6 +33,11 @@ case "$*" in
     [ -e $known ] && ! grep -q stringData {NOTES}/given && echo "thing/one unchanged" || echo "thing/one configured"
     mv {NOTES}/given $known
     ;;
+*" delete secret operator --ignore-not-found")
+    for secret in $(grep -l '"kind": "Secret"' -r {NOTES} --exclude=calls); do
+        rm $secret && echo 'secret "operator" deleted'
+    done
+    ;;
 "ctr images import "*) [ ! -e {NOTES}/full ] || {{ echo "no space left on device" >&2; exit 1; }}
     tar -xOf "$4" index.json >{NOTES}/imported ;;
 "ctr images list") cat {NOTES}/imported || true ;;
@@ -119,6 +124,25 @@ def test_the_nodes_get_images_labels_and_the_game(rehearsal: Rehearsal, nodes: l
 
     again = rehearsal.playbook("k3s", variables)
     assert again.changed == 0, again.output
+
+
+def test_a_token_that_is_taken_away_is_no_longer_valid(
+    rehearsal: Rehearsal, nodes: list[Machine], archive: Path
+) -> None:
+    variables = f"--extra-vars=fleet_images_archive={archive}"
+    restart = "kubectl --namespace laserbot rollout restart deployment/master"
+    rehearsal.playbook("k3s", variables)
+    assert ("Secret", "operator") in by_name(applied(nodes[0]))
+    before = calls(nodes[0]).count(restart)
+
+    run = rehearsal.playbook("k3s", variables, "--extra-vars=fleet_operator_token=")
+    assert ("Secret", "operator") not in by_name(applied(nodes[0]))
+    assert calls(nodes[0]).count(restart) == before + 1
+    assert run.recap[nodes[0].name]["changed"] == 2, run.output
+
+    again = rehearsal.playbook("k3s", variables, "--extra-vars=fleet_operator_token=")
+    assert again.changed == 0, again.output
+    assert calls(nodes[0]).count(restart) == before + 1
 
 
 def test_pods_that_do_not_become_ready_are_shown(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
