@@ -79,8 +79,10 @@ class Roster:
             name, fixed = caller.removeprefix(_CALLER), meant.removeprefix(_CALLER)
             _log.warning(
                 "robot %s is not the %s of LASERBOT_ROSTER; if it should be, set LASERBOT_ROBOT_NAME=%s on it",
-                name, fixed, fixed,
-            )  # fmt: skip
+                name,
+                fixed,
+                fixed,
+            )
 
 
 def parse_fixed(text: str) -> dict[str, int]:
