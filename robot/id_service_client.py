@@ -75,11 +75,21 @@ def attend(settings: Settings, led: Status) -> None:
     device = find_arduino(settings.devices)
     log.info("asking the Arduino at %s", device)
     probe(device)
-    robot_id = register(wanted=lambda: True)
+    robot_id, registered = register(wanted=lambda: True), True
     while True:
-        log.info("New robot ID = %d", robot_id)
-        with PingThread(settings.alive_url, robot_id) as pings, SerialNode(device, robot_id) as node:
-            robot_id = keep(robot_id, node, pings, led, settings.retry)
+        with SerialNode(device, robot_id) as node:
+            if not registered:
+                last, robot_id, registered = robot_id, register_again(node, settings.retry), True
+                if robot_id != last:
+                    continue  # under its new name
+            log.info("New robot ID = %d", robot_id)
+            with PingThread(settings.alive_url, robot_id) as pings:
+                keep(node, pings, led, time.monotonic() + settings.retry)
+            log.warning("the server does not know robot %d (any more): registering again", robot_id)
+            led.state = State.FAILING
+            # The node starts anew: after an outage its subscriber may hold a connection whose other end was closed
+            # unheard, and until it hears of that, it takes the next player for the one that it has (rospy).
+            registered = False
 
 
 def find_arduino(devices: tuple[str, ...]) -> str:
@@ -90,26 +100,38 @@ def find_arduino(devices: tuple[str, ...]) -> str:
     raise ArduinoLostError(f"No attached ARDUINO found: looked for {', '.join(devices)}")
 
 
-def keep(robot_id: int, node: SerialNode, pings: PingThread, led: Status, retry: float) -> int:
-    """Watch a working robot until the server has forgotten it and registered it again; returns its ID then.
+def keep(node: SerialNode, pings: PingThread, led: Status, not_before: float) -> None:
+    """Watch a working robot until the server has forgotten it; a server that does so at once is not asked in a rush.
 
     ArduinoLostError when the serial node ends.
-
-    The serial node starts anew even if the ID is the same: after an outage its subscriber may hold a connection whose
-    other end was closed unheard. Until it hears of that, it takes the next player for the one that it has (rospy).
     """
-    register_at = 0.0
     while node.exit_code is None:
         led.state = State.WORKING if pings.welcome else State.FAILING
-        if pings.unknown.is_set() and time.monotonic() >= register_at:
-            log.warning("the server does not know robot %d (any more): registering again", robot_id)
-            register_at = time.monotonic() + retry
+        if pings.unknown.is_set() and time.monotonic() >= not_before:
+            return
+        time.sleep(POLL)
+    raise ArduinoLostError(lost(node))
+
+
+def register_again(node: SerialNode, retry: float) -> int:
+    """Ask until there is an ID, while the new serial node starts: a robot that is offered to players works at once.
+
+    ArduinoLostError when the serial node ends.
+    """
+    ask_at = 0.0
+    while node.exit_code is None:
+        if time.monotonic() >= ask_at:
             try:
                 return register(wanted=lambda: node.exit_code is None)
             except RegistrationError as error:
                 log.error("%s (again in %g s)", error, retry)
+                ask_at = time.monotonic() + retry
         time.sleep(POLL)
-    raise ArduinoLostError(f"Connection to Arduino lost: the serial node ended with exit code {node.exit_code}")
+    raise ArduinoLostError(lost(node))
+
+
+def lost(node: SerialNode) -> str:
+    return f"Connection to Arduino lost: the serial node ended with exit code {node.exit_code}"
 
 
 if __name__ == "__main__":
