@@ -12,6 +12,7 @@ from tests.support.fleet import Machine
 from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
+from tests.support.programs import ROOT
 from tests.support.rehearsal import Rehearsal, docker, outside
 
 
@@ -21,6 +22,7 @@ def test_the_operators_checks_pass(rehearsal: Rehearsal) -> None:
     rows = [line for line in run.output.splitlines() if " ok " in line]
     assert len(rows) > 15, run.output
     assert not any("FAILED" in row for row in rows)
+    assert not (ROOT / "build" / "fleet-hosts.json").exists(), "what the checks were told"
 
 
 def test_a_host_that_would_be_locked_out_is_left_alone(rehearsal: Rehearsal) -> None:
