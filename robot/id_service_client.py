@@ -3,7 +3,8 @@
     python3 -m robot.id_service_client
 
 The Arduino is asked first, so that the server never offers players a robot that cannot move. Then the pings and the
-serial node Robot<ID> run until the serial node ends. Whatever fails is said in one line and tried again, for ever.
+serial node Robot<ID> run until the serial node ends; when the server has forgotten the robot, both start anew. Whatever
+fails is said in one line and tried again, for ever.
 The status LED is lit from the start until the robot has an ID, blinks slowly while it works, and fast while it lacks
 its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 """
@@ -124,7 +125,8 @@ def register_again(node: SerialNode, retry: float) -> int:
             try:
                 return register(wanted=lambda: node.exit_code is None)
             except RegistrationError as error:
-                log.error("%s (again in %g s)", error, retry)
+                if node.exit_code is None:
+                    log.error("%s (again in %g s)", error, retry)
                 ask_at = time.monotonic() + retry
         time.sleep(POLL)
     raise ArduinoLostError(lost(node))

@@ -75,12 +75,12 @@ def test_a_server_that_forgot_the_robot_is_asked_again_and_the_serial_node_start
     robot.wait_for("/Robot0/command")
     web.answer = '{"status": "ERROR"}'
     until(lambda: len(ids.callers) == 2)
+    assert serial_node(robot, 0) != node, "registered first, it would be offered before it can move"
     web.answer = '{"status": "OK"}'
     until(lambda: robot.output.count("New robot ID = 0") == 2)
     until(lambda: robot.output.count("/Robot0/command") == 2, 15)
     pings = len(web.pings)
     until(lambda: len(web.pings) > pings + 3)
-    assert serial_node(robot, 0) != node
 
 
 def test_a_new_id_starts_the_serial_node_under_the_new_name(ids: IdService, web: WebServer, robot: Program) -> None:
