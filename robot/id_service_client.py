@@ -115,7 +115,7 @@ def keep(node: SerialNode, pings: PingThread, led: Status, not_before: float) ->
 
 
 def register_again(node: SerialNode, retry: float) -> int:
-    """Ask until there is an ID, while the new serial node starts: a robot that is offered to players works at once.
+    """Ask until there is an ID, while the new serial node starts: so the robot moves soon after players may have it.
 
     ArduinoLostError when the serial node ends.
     """
