@@ -8,8 +8,8 @@ import ansible_mitogen.loaders
 import ansible_mitogen.strategy
 from ansible.collections.list import list_collection_dirs
 
-# Mitogen lists the collections before it runs a module of one, and to list them is to read what each of the hundred says of
-# itself. Read here, it is known to the workers, which are forks of this process and else do it anew for every task.
+# Mitogen lists the collections before it runs a module of one, and to list them is to read what each of the hundred
+# says of itself. Read here, it is known to the workers, which are forks of this process and else do it for every task.
 list(list_collection_dirs())
 
 Linear = ansible_mitogen.loaders.strategy_loader.get("linear", class_only=True)
