@@ -13,7 +13,7 @@ from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
-from tests.support.rehearsal import Rehearsal, docker, outside
+from tests.support.rehearsal import Rehearsal, docker, outside, power_off, power_on
 
 
 def test_the_operators_checks_pass(rehearsal: Rehearsal) -> None:
@@ -33,6 +33,20 @@ def test_a_host_that_would_be_locked_out_is_left_alone(rehearsal: Rehearsal) -> 
     assert run.recap["raspberrypi1"]["failed"] == 1
     assert rehearsal.robots[0].run("true") == ""
     assert rehearsal.playbook("deploy", "--limit=raspberrypi1").changed == 0, "nothing had been changed"
+
+
+@pytest.mark.parametrize(
+    ("knob", "words"),
+    [
+        ({"fleet_registry_password": ""}, "of at least 12 characters"),
+        ({"fleet_images_archive": "build/images.tar"}, "must be an absolute path"),
+    ],
+)
+def test_a_wrong_knob_is_refused(rehearsal: Rehearsal, knob: dict[str, str], words: str) -> None:
+    run = rehearsal.playbook("deploy", f"--extra-vars={json.dumps(knob)}", check=False)
+    assert run.process.returncode != 0
+    assert words in run.output
+    assert run.changed == 0
 
 
 def test_a_robot_that_is_off_and_known_by_name_stops_a_deploy_but_no_update(
@@ -94,10 +108,33 @@ def test_one_changed_knob_changes_one_service_and_no_secret_is_printed(rehearsal
     rehearsal.wait_until_complete()
 
 
+def test_changed_knobs_run_their_handlers_only(rehearsal: Rehearsal) -> None:
+    knobs = json.dumps({"firewall_open_ports": [8081], "host_time_servers": ["192.0.2.1"]})
+    before = [started(machine) for machine in rehearsal.machines.values()]
+    for variables in ([f"--extra-vars={knobs}"], []):
+        run = rehearsal.playbook("deploy", *variables)
+        assert changed_tasks(run.output) == [
+            "host : Have one clock in the fleet",
+            "host : Restart chrony",
+            "firewall : Write the rules",
+            "firewall : Apply the firewall",
+        ], run.output
+        rules = [machine.run("nft list chain inet laserbot input") for machine in rehearsal.machines.values()]
+        assert all(("8081" in each) == bool(variables) for each in rules)
+    assert [started(machine) for machine in rehearsal.machines.values()] == before
+
+
 def test_the_services_stop_and_start(rehearsal: Rehearsal) -> None:
+    """In between, a robot whose power fails does not start what was stopped."""
     rehearsal.playbook("stop")
     assert rehearsal.available() == -1
-    assert all(not machine.run("docker ps -q") for machine in rehearsal.machines.values())
+    robot = outside(rehearsal.robots[0])
+    power_off(rehearsal.robots[0])
+    power_on(rehearsal.robots[0])
+    until(
+        lambda: docker("exec", robot, "systemctl", "is-active", "docker", check=False) == "active\n", 60, "its engine"
+    )
+    assert all(not docker("exec", outside(machine), "docker", "ps", "-q") for machine in rehearsal.machines.values())
     rehearsal.playbook("stop", "--extra-vars=state=started")
     rehearsal.wait_until_complete()
 

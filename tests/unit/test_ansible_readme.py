@@ -7,6 +7,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import yaml
+
 from tests.support.documents import blocks
 from tests.support.programs import ROOT
 
@@ -30,7 +32,7 @@ def test_every_playbook_is_in_the_table_and_no_other() -> None:
 
 
 def test_its_steps_make_an_inventory(tmp_path: Path) -> None:
-    """The commands of step 3, as they stand there: what comes out is a fleet whose secrets are encrypted."""
+    """The commands of step 4, as they stand there: what comes out is a fleet whose secrets are encrypted."""
     shutil.copytree(ANSIBLE, tmp_path / "ansible")
     (steps,) = [block for block in blocks(README, "sh") if "inventory/example" in block]
     (encrypt,) = re.findall(r"`(ansible-vault encrypt .*?)`", README)
@@ -52,6 +54,14 @@ def test_its_steps_make_an_inventory(tmp_path: Path) -> None:
     assert {"fleet_registry_password", "fleet_operator_token"} <= secrets.keys()
     vault = tmp_path / "ansible/inventory/mine/group_vars/all/vault.yml"
     assert vault.read_text().startswith("$ANSIBLE_VAULT")
+
+
+def test_no_secret_has_a_default() -> None:
+    """Neither in the roles nor in the example: an operator who forgets to choose one is told so."""
+    places = [ANSIBLE / "roles/fleet/defaults/main.yml", ANSIBLE / "inventory/example/group_vars/all/vault.example.yml"]
+    for place in places:
+        values = yaml.safe_load(place.read_text())
+        assert (values["fleet_registry_password"], values["fleet_operator_token"]) == ("", ""), place
 
 
 def test_the_firewall_by_hand_closes_the_ports_of_the_fleets() -> None:

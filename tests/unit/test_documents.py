@@ -49,9 +49,10 @@ RUN_BY = {
         "cp -r inventory/example inventory/mine": INVENTORY,
         "cd inventory/mine/group_vars/all && mv vault.example.yml vault.yml && cd -": INVENTORY,
         "ansible-vault encrypt inventory/mine/group_vars/all/vault.yml": INVENTORY,
+        "ci/setup fleet": "Makefile::ci/setup fleet",
+        "make images ARCHIVE=build/images.tar": "tests/images/test_delivery.py::test_an_archive_carries_every_platform",
         "make -C .. images ARCHIVE=build/images.tar": "tests/images/test_delivery.py"
         "::test_an_archive_carries_every_platform",
-        "../ci/setup fleet": "Makefile::ci/setup fleet",
         "ansible-playbook -i inventory/mine deploy.yml --ask-vault-pass": "ci/fleet::play deploy",
         "ansible-playbook -i inventory/mine check.yml --ask-vault-pass": "tests/fleet/test_playbooks.py"
         "::test_the_operators_checks_pass",

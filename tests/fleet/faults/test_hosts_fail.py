@@ -2,11 +2,13 @@
 
 from collections.abc import Callable
 
+import pytest
+
 from tests.support.fleet import Machine
 from tests.support.play import STOPPED, keep_turning, obeys, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
-from tests.support.rehearsal import Rehearsal, cut, power_off, power_on
+from tests.support.rehearsal import Rehearsal, cut, docker, outside, power_off, power_on
 
 Measured = Callable[[str], None]
 
@@ -41,20 +43,25 @@ def test_all_hosts_are_rebooted(rehearsal: Rehearsal, measured: Measured) -> Non
     rehearsal.wait_until_complete(60)
 
 
-def test_a_robot_loses_its_power_in_a_battle(
-    rehearsal: Rehearsal, players: tuple[Player, Player], measured: Measured
+@pytest.mark.parametrize("orderly", [False, True], ids=["pulled plug", "reboot"])
+def test_a_robot_goes_down_in_a_battle(
+    rehearsal: Rehearsal, players: tuple[Player, Player], measured: Measured, orderly: bool
 ) -> None:
     ann, bob = players
     start(ann, bob)
     measured("")
-    power_off(robot_of(rehearsal, bob))
+    if orderly:
+        docker("exec", outside(robot_of(rehearsal, bob)), "systemctl", "--no-block", "reboot")
+    else:
+        power_off(robot_of(rehearsal, bob))
     until(lambda: not ann.user("Bob"), 10, "Bob is out")
     measured("its player is out")
     ann.wait_for_game(STOPPED)
     result = [(entry["place"], entry["name"], entry["left"]) for entry in ann.look()["result"]]
     assert result == [(1, "Ann", False), (2, "Bob", True)]
-    power_on(robot_of(rehearsal, bob))
-    measured("")
+    if not orderly:
+        power_on(robot_of(rehearsal, bob))
+        measured("")
     until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 120, "the robot is back")
     measured("the robot is back")
     with Player(rehearsal, "Cy") as cy, Player(rehearsal, "Di") as di:

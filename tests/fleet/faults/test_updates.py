@@ -75,6 +75,41 @@ def images(machines: list[Machine]) -> list[str]:
     return [machine.container(machine.services[0])["Config"]["Image"] for machine in machines]
 
 
+def changed(machines: list[Machine], old: list[str]) -> list[bool]:
+    """Which of them have another image than before."""
+    return [now != before for now, before in zip(images(machines), old, strict=True)]
+
+
+def test_the_master_gets_a_new_image_and_goes_back(
+    rehearsal: Rehearsal, better_master: Path, measured: Measured
+) -> None:
+    """All of its services, but not while a battle is on; the robots come back to the new ones by themselves."""
+    services = rehearsal.master.services
+
+    def running() -> list[str]:
+        return [rehearsal.master.container(service)["Config"]["Image"] for service in services]
+
+    old, robots = running(), images(rehearsal.robots)
+    update = ("update", f"--extra-vars=fleet_images_archive={better_master}")
+    measured("")
+    rehearsal.playbook(*update)
+    measured("master updated, robots left as they are")
+    assert set(running()).isdisjoint(old)
+    assert images(rehearsal.robots) == robots
+    rehearsal.wait_until_complete()
+    measured("all robots are back")
+    with Player(rehearsal, "Ann") as ann, Player(rehearsal, "Bob") as bob:
+        start(ann, bob)
+        number = ann.look()["battle"]
+        for playbook in (update, ("reboot",), ("rollback",)):
+            run = rehearsal.playbook(*playbook, "--limit=master", "--extra-vars=fleet_battle_patience=4", check=False)
+            assert run.recap["laser_bot_master"]["failed"] == 1, run.output
+            assert (ann.look()["game"], ann.look()["battle"]) == (PLAYING, number)
+    rehearsal.playbook("rollback", "--limit=master")
+    assert running() == old
+    rehearsal.wait_until_complete()
+
+
 def test_robots_get_a_new_image_and_go_back(rehearsal: Rehearsal, better: Path, measured: Measured) -> None:
     """But for one that is off: it is left out by the update, and has nothing to go back from."""
     update = ("update", f"--extra-vars=fleet_images_archive={better} batch=2")
@@ -102,28 +137,6 @@ def test_robots_get_a_new_image_and_go_back(rehearsal: Rehearsal, better: Path, 
     measured("rolled back")
     others[0].run("rm /etc/laserbot/unfinished")
     assert images(rehearsal.robots) == old
-    rehearsal.wait_until_complete()
-
-
-def test_the_master_gets_a_new_image_and_goes_back(
-    rehearsal: Rehearsal, better_master: Path, measured: Measured
-) -> None:
-    """All of its services; the robots come back to the new ones by themselves."""
-    services = rehearsal.master.services
-
-    def running() -> list[str]:
-        return [rehearsal.master.container(service)["Config"]["Image"] for service in services]
-
-    old, robots = running(), images(rehearsal.robots)
-    measured("")
-    rehearsal.playbook("update", f"--extra-vars=fleet_images_archive={better_master}")
-    measured("master updated, robots left as they are")
-    assert set(running()).isdisjoint(old)
-    assert images(rehearsal.robots) == robots
-    rehearsal.wait_until_complete()
-    measured("all robots are back")
-    rehearsal.playbook("rollback", "--limit=master")
-    assert running() == old
     rehearsal.wait_until_complete()
 
 
@@ -172,10 +185,46 @@ def test_a_robot_that_is_drawn_into_a_battle_meanwhile_is_left_alone(
         start(ann, cy)
         run.finish(check=False)
     assert {name for name, row in run.recap.items() if row["failed"]} == {hosts["Ann"], hosts["Cy"]}, run.output
-    changed = [now != before for now, before in zip(images(rehearsal.robots), old, strict=True)]
-    assert changed == [robot.name == hosts["Bob"] for robot in rehearsal.robots]
+    assert changed(rehearsal.robots, old) == [robot.name == hosts["Bob"] for robot in rehearsal.robots]
     rehearsal.playbook("rollback", "--extra-vars=fleet_battle_patience=400")
     assert images(rehearsal.robots) == old
+
+
+def test_one_that_fails_keeps_the_update_from_the_next(rehearsal: Rehearsal, better: Path) -> None:
+    """Of a batch of two, unless half of them may fail."""
+    first, *_ = rehearsal.robots
+    old = images(rehearsal.robots)
+    variables = f"fleet_images_archive={better} batch=2"
+    first.run("systemctl stop virtual-arduino")
+    try:
+        run = rehearsal.playbook("update", f"--extra-vars={variables}", check=False)
+        assert {name for name, row in run.recap.items() if row["failed"]} == {first.name}, run.output
+        assert changed(rehearsal.robots, old) == [False, True, False]
+        rehearsal.playbook("update", f"--extra-vars={variables} max_fail=50", check=False)
+        assert changed(rehearsal.robots, old) == [False, True, True]
+    finally:
+        first.run("systemctl start virtual-arduino")
+    rehearsal.playbook("rollback")
+    assert images(rehearsal.robots) == old
+    rehearsal.wait_until_complete()
+
+
+def test_one_that_is_lost_keeps_the_update_from_the_next(rehearsal: Rehearsal, better: Path) -> None:
+    first, _, third = rehearsal.robots
+    old = images(rehearsal.robots)
+    run = Playbook("update", f"--extra-vars=fleet_images_archive={better} batch=2")
+    try:
+        run.wait_for("TASK [robot :", 200)
+        power_off(first)
+        run.finish(check=False)
+    finally:
+        power_on(first)
+    assert f"{first.name} failed or is lost" in run.output
+    assert images([third]) == old[2:]
+    rehearsal.wait_until_complete()
+    rehearsal.playbook("rollback")
+    assert images(rehearsal.robots) == old
+    rehearsal.wait_until_complete()
 
 
 def stored(machine: Machine) -> set[str]:
