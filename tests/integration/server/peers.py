@@ -26,7 +26,11 @@ def robot(name: str, url: str) -> None:
     register = rospy.ServiceProxy("/add_new_robot", AddNewRobot)
     while True:
         rospy.wait_for_service("/add_new_robot")
-        robot_id = register().ID
+        try:
+            robot_id = register().ID
+        except rospy.ServiceException:  # the master still names a server that has just been killed
+            time.sleep(0.1)
+            continue
         publisher = rospy.Publisher(f"/Robot{robot_id}/response", Empty, queue_size=10) if name != "-" else None
         signal.signal(signal.SIGUSR1, lambda *_, hits=publisher: hits.publish(Empty()))
         while publisher is not None and publisher.get_num_connections() == 0:
