@@ -3,6 +3,7 @@
 import json
 import re
 import subprocess
+import tarfile
 from pathlib import Path
 
 import pytest
@@ -80,6 +81,25 @@ def test_a_second_deploy_changes_nothing(rehearsal: Rehearsal) -> None:
 def test_a_dry_run_changes_and_reports_nothing(rehearsal: Rehearsal) -> None:
     run = rehearsal.playbook("deploy", "--check", "--diff")
     assert run.changed == 0, run.output
+
+
+def test_a_deploy_without_an_archive_builds_the_images(rehearsal: Rehearsal, tmp_path: Path) -> None:
+    archive = tmp_path / "images.tar"
+    knob = f"--extra-vars=fleet_images_archive={archive}"
+    dry = rehearsal.playbook("deploy", knob, "--check", check=False)
+    assert f"There is no {archive}, and a dry run does not build it" in dry.output
+    assert not archive.exists()
+    run = rehearsal.playbook("deploy", knob)
+    assert changed_tasks(run.output)[0] == "fleet : Build the images if there is no archive"
+    with tarfile.open(archive) as file:
+        index = file.extractfile("index.json")
+        assert index
+        digests = {manifest["digest"] for manifest in json.load(index)["manifests"]}
+    for machine in rehearsal.machines.values():
+        running = {machine.container(service)["Config"]["Image"].partition("@")[2] for service in machine.services}
+        assert running <= digests
+    rehearsal.playbook("deploy")
+    rehearsal.wait_until_complete()
 
 
 def test_one_changed_knob_changes_one_service_and_no_secret_is_printed(rehearsal: Rehearsal) -> None:
