@@ -12,6 +12,7 @@ from tests.support.fleet import Machine
 from tests.support.rehearsal import Rehearsal, ask_from
 
 Measured = Callable[[str], None]
+ENGINE = {"docker.io", "docker-cli"}  # one package in Debian 12
 
 
 def test_a_fleet_is_torn_down_and_comes_back(rehearsal: Rehearsal, measured: Measured) -> None:
@@ -75,7 +76,7 @@ def command_lines() -> Iterator[set[str]]:
 def give_an_engine_from_before(machine: Machine) -> None:
     """The host had an engine before its first deploy, and a container in it that is none of the fleet's."""
     note = json.loads(machine.run("cat /etc/laserbot/before.json"))
-    note["packages"] += ["docker.io", "docker-cli"]
+    note["packages"] += sorted(ENGINE & packages(machine.run))
     machine.run(f"sh -c {shlex.quote(f'echo {shlex.quote(json.dumps(note))} >/etc/laserbot/before.json')}")
     machine.run(f"docker tag {machine.container(machine.services[0])['Image']} own:1")
     machine.run("docker run --detach --name own --restart always --network none --entrypoint sleep own:1 infinity")
@@ -89,6 +90,6 @@ def take_engine_from_before(machine: Machine) -> None:
     assert json.loads(machine.run("cat /root/.docker/config.json"))["auths"] == {}
     machine.run("docker rm --force own")
     machine.run("docker image rm own:1")
-    machine.run("apt-get purge --autoremove --yes docker.io docker-cli")
+    machine.run(f"apt-get purge --autoremove --yes {' '.join(ENGINE & packages(machine.run))}")
     machine.run("groupdel docker")
     machine.run("rm -r /etc/docker /root/.docker")
