@@ -83,6 +83,13 @@ def test_a_dry_run_changes_and_reports_nothing(rehearsal: Rehearsal) -> None:
     assert run.changed == 0, run.output
 
 
+def test_a_dry_run_tells_that_the_registry_gets_another_password(rehearsal: Rehearsal) -> None:
+    knob = json.dumps({"fleet_registry_password": "another one, long enough"})
+    run = rehearsal.playbook("deploy", "--check", "--diff", f"--extra-vars={knob}")
+    assert "registry : Set the password" in run.output
+    assert rehearsal.playbook("deploy").changed == 0
+
+
 def test_a_deploy_without_an_archive_builds_the_images(rehearsal: Rehearsal, tmp_path: Path) -> None:
     archive = tmp_path / "images.tar"
     knob = f"--extra-vars=fleet_images_archive={archive}"

@@ -16,13 +16,15 @@ ANSIBLE = ROOT / "ansible"
 README = (ANSIBLE / "README.md").read_text()
 
 
-def test_every_knob_is_in_the_table_and_no_other() -> None:
+def test_every_knob_is_in_the_table_and_in_the_example_and_no_other() -> None:
     knobs = {
         knob
         for defaults in ANSIBLE.glob("roles/*/defaults/main.yml")
         for knob in re.findall(r"^(\w+):", defaults.read_text(), re.MULTILINE)
     }
     assert set(re.findall(r"^\| `([a-z]+_\w+)` \|", README, re.MULTILINE)) == knobs
+    example = "".join(file.read_text() for file in (ANSIBLE / "inventory/example/group_vars/all").iterdir())
+    assert set(re.findall(r"^(?:# )?((?!ansible_)[a-z]+_\w+):", example, re.MULTILINE)) == knobs
 
 
 def test_every_playbook_is_in_the_table_and_no_other() -> None:

@@ -104,7 +104,7 @@ def test_a_second_master_appears(rehearsal: Rehearsal, measured: Measured) -> No
         for machine in (rehearsal.master, rehearsal.robots[0]):
             address = machine.run("getent ahostsv4 laser_bot_master.local").split()[0]
             assert address == rehearsal.master.address
-        assert "laser_bot_master-2" in impostor.run("avahi-resolve --address " + impostor.address)
+        until(lambda: "laser_bot_master-2" in impostor.run("avahi-resolve --address " + impostor.address), 30)
         rehearsal.wait_until_complete(30)
     finally:
         impostor.run("systemctl restart avahi-daemon")

@@ -140,6 +140,21 @@ def test_robots_get_a_new_image_and_go_back(rehearsal: Rehearsal, better: Path, 
     rehearsal.wait_until_complete()
 
 
+def test_a_rollback_that_was_broken_off_is_ended_by_the_next(rehearsal: Rehearsal, better: Path) -> None:
+    first = rehearsal.robots[0]
+    old = images([first])
+    rehearsal.playbook("update", f"--extra-vars=fleet_images_archive={better}", f"--limit={first.name}")
+    assert images([first]) != old
+    broken_off = Playbook("rollback", f"--limit={first.name}")
+    broken_off.wait_for("TASK [docker : Wait for the health of laserbot-robot", 200)
+    broken_off.stop(signal.SIGINT, 60)
+    assert images([first]) == old
+    for _ in range(2):  # the second has nothing to do
+        rehearsal.playbook("rollback", f"--limit={first.name}")
+        assert images([first]) == old
+    rehearsal.wait_until_complete()
+
+
 def test_an_update_leaves_robots_in_a_battle_alone(
     rehearsal: Rehearsal, players: tuple[Player, Player], better: Path
 ) -> None:
@@ -230,6 +245,21 @@ def test_one_that_is_lost_keeps_the_update_from_the_next(rehearsal: Rehearsal, b
 def stored(machine: Machine) -> set[str]:
     """The fleet's images on the host."""
     return set(machine.run("docker image ls --digests --format '{{.Repository}}@{{.Digest}}' '*:5443/*'").split())
+
+
+def test_an_update_that_was_broken_off_while_it_flashed_is_rolled_back(rehearsal: Rehearsal, broken: Path) -> None:
+    """Its service is stopped, with the image that it had, and the Arduino holds half a program or another one."""
+    first = rehearsal.robots[0]
+    [service] = first.services
+    old, flashed = images([first]), first.run("cat /etc/laserbot/firmware.json")
+    broken_off = Playbook("update", f"--extra-vars=fleet_images_archive={broken}")
+    broken_off.wait_for("TASK [firmware : Write and verify the firmware", 400)
+    broken_off.stop(signal.SIGINT, 60)
+    assert not first.container(service)["State"]["Running"]
+    rehearsal.playbook("rollback", f"--limit={first.name}")
+    assert images([first]) == old
+    assert first.run("cat /etc/laserbot/firmware.json") == flashed
+    rehearsal.wait_until_complete()
 
 
 def test_an_image_that_does_not_start_is_refused_though_the_update_was_broken_off(
