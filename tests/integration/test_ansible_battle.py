@@ -66,6 +66,7 @@ def refused(port: int, folder: Path) -> set[str]:
         env={
             "PATH": "/usr/bin:/bin",
             "ANSIBLE_CONFIG": str(ROOT / "ansible/ansible.cfg"),
+            "ANSIBLE_STRATEGY_PLUGINS": str(ROOT / "ansible/strategy_plugins"),
             "ANSIBLE_HOME": str(folder / "home"),
             "ANSIBLE_LOCAL_TEMP": str(folder / "home/tmp"),
             "ANSIBLE_NOCOLOR": "1",
