@@ -166,6 +166,28 @@ def test_the_services_stop_and_start(rehearsal: Rehearsal) -> None:
     rehearsal.wait_until_complete()
 
 
+def test_an_update_of_a_stopped_fleet_starts_it_as_a_whole(rehearsal: Rehearsal) -> None:
+    """Services, and what gives them a second chance: now and after a reboot."""
+    rehearsal.playbook("stop")
+    rehearsal.playbook("update")
+    rehearsal.wait_until_complete()
+    for machine in rehearsal.machines.values():
+        machine.run("systemctl is-active laserbot-revive")
+        machine.run("systemctl is-enabled laserbot-revive")
+
+
+def test_a_host_that_does_not_reach_the_registry_says_so(rehearsal: Rehearsal) -> None:
+    robot = rehearsal.robots[0]
+    rehearsal.master.run("systemctl stop docker-registry")
+    try:
+        run = rehearsal.playbook("deploy", f"--limit={robot.name}", check=False)
+    finally:
+        rehearsal.master.run("systemctl start docker-registry")
+    assert f"{robot.name} does not reach the registry" in run.output
+    rehearsal.playbook("deploy")
+    assert rehearsal.playbook("deploy").changed == 0, "made up for"
+
+
 def test_the_operators_token_opens_rosbridge(rehearsal: Rehearsal) -> None:
     """The token reached the service through its file; a wrong one is refused."""
     token = rehearsal.master.run("cat /etc/laserbot/operator-token").strip()
