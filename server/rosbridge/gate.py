@@ -14,6 +14,8 @@ STATUS_TYPE = "laser_bot_battle/GameStatus"
 PLAYING = 2
 # The referee speaks at least every 0.5 s. When it is silent for so long it is gone, and with it every right to drive.
 REFEREE_SILENCE = 3.0  # s
+# Who has just signed up may be quicker here than the news of it on /game_status.
+PATIENCE = 2.0  # s
 
 
 class Identity(NamedTuple):
@@ -25,6 +27,15 @@ class Identity(NamedTuple):
 
 ANYBODY = Identity()
 OPERATOR = Identity(operator=True)
+
+
+class Claim(NamedTuple):
+    """A name with a token that the gate does not know yet."""
+
+    name: str
+    who: Identity
+    id: str | int | None  # of the request
+    until: float  # monotonic s
 
 
 class Player(NamedTuple):

@@ -8,7 +8,7 @@ import logging
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Log, Publish, Send
-from server.rosbridge.gate import COMMAND_TYPE, Gate, Identity
+from server.rosbridge.gate import COMMAND_TYPE, Claim, Gate, Identity
 from server.rosbridge.graph import Graph
 from server.rosbridge.ops import FAMILIES
 from server.rosbridge.wire import Id, Request, RequestError, brief, parse, status
@@ -28,6 +28,7 @@ class Session:
         self.graph = graph
         self.types = types
         self.identity = identity
+        self.claim: Claim | None = None  # to be somebody else; under examination
         self.level = "error"  # the client wants to hear this and worse
         self._lines, self._lines_since = 0, float("-inf")
         self._families = [family(self) for family in FAMILIES]
@@ -54,6 +55,10 @@ class Session:
     def closed(self) -> list[Effect]:
         """The client is gone: stop what it drove, close what it had open."""
         return [effect for family in self._families for effect in family.closed()]
+
+    def is_newcomer(self) -> bool:
+        """Whether the news of this client's signing up may be on its way."""
+        return self.claim is not None or (bool(self.identity.session) and self.gate.player(self.identity) is None)
 
     def report(self, level: str, text: str, now: float, request_id: Id = None) -> list[Effect]:
         """Tell client and operator; `level` is error, warning or info."""

@@ -6,29 +6,14 @@ operator's token. The further fields of the protocol (dest, rand, t, level, end)
 
 import hmac
 from collections.abc import Mapping
-from typing import NamedTuple
 
 from server.rosbridge.effects import Effect
-from server.rosbridge.gate import OPERATOR, Identity, session_identity
+from server.rosbridge.gate import OPERATOR, PATIENCE, Claim, session_identity
 from server.rosbridge.ops.family import Family, Handler
-from server.rosbridge.wire import Id, Request
-
-# Who has just signed up may be quicker here than the news of it on /game_status.
-PATIENCE = 2.0  # s
-
-
-class Claim(NamedTuple):
-    """A player's token that the gate does not know yet."""
-
-    name: str
-    who: Identity
-    id: Id
-    until: float
+from server.rosbridge.wire import Request
 
 
 class Auth(Family):
-    _claim: Claim | None = None
-
     def handlers(self) -> Mapping[str, Handler]:
         return {"auth": self.auth}
 
@@ -36,13 +21,13 @@ class Auth(Family):
         name, token = request.text("client"), request.text("mac")
         # a player may bear this name too: a token that is not the operator's may still be the player's
         if name == "operator" and self.session.gate.is_operator_token(token):
-            self._claim, self.session.identity = None, OPERATOR
+            self.session.claim, self.session.identity = None, OPERATOR
             return []
-        self._claim = Claim(name, session_identity(token), request.id, now + PATIENCE)
+        self.session.claim = Claim(name, session_identity(token), request.id, now + PATIENCE)
         return self.updated(now)
 
     def updated(self, now: float) -> list[Effect]:
-        claim = self._claim
+        claim = self.session.claim
         if claim is None:
             return []
         player = self.session.gate.player(claim.who)
@@ -51,7 +36,7 @@ class Auth(Family):
         elif player is None and now < claim.until:
             return []
         else:
-            self._claim = None
+            self.session.claim = None
             return self.session.report("error", "nobody of this name has this token", now, claim.id)
-        self._claim = None
+        self.session.claim = None
         return []

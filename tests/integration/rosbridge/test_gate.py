@@ -1,12 +1,14 @@
 """Who may drive, seen from the WebSocket and from the robot."""
 
 import socket
+import xmlrpc.client
 from collections.abc import Callable, Iterator
 
 import pytest
 
 from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, NEUTRAL, Client, RosSide, player
 from tests.support.polling import until
+from tests.support.ros import RosMaster
 
 AL, BO = player("al", "token of al", 0), player("bo", "token of bo", 1)
 STOPPED, PLAYING = 0, 2
@@ -72,6 +74,22 @@ def test_players_drive_their_own_robots(battle: Battle, client: Connect) -> None
     bo.drive(1, turn)
     battle.robot_hears(0, FORWARD)
     battle.robot_hears(1, turn)
+
+
+def test_a_client_may_be_quicker_than_the_news_of_its_player(
+    battle: Battle, client: Connect, ros_master: RosMaster
+) -> None:
+    with_cookie, with_auth = client("token of cy"), client()
+    with_cookie.advertise(2)
+    with_auth.say("auth", client="di", mac="token of di")
+    with_auth.advertise(3)
+    battle.says(STOPPED, player("cy", "token of cy", 2), player("di", "token of di", 3))
+    with xmlrpc.client.ServerProxy(ros_master.uri) as master:
+        until(
+            lambda: (
+                {"/Robot2/command", "/Robot3/command"} <= {topic for topic, _ in master.getSystemState("/test")[2][0]}
+            )
+        )
 
 
 def test_no_player_drives_the_robot_of_another(battle: Battle, client: Connect) -> None:

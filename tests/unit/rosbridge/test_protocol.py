@@ -85,14 +85,60 @@ def test_the_words_of_a_page_become_commands_to_its_robot(server: Server) -> Non
     assert al.receive(PUBLISH, 0.0) == [Publish("/Robot3/command", Robot_msg(1, -1, False))]
 
 
-def test_a_page_that_advertised_too_early_drives_nevertheless(server: Server) -> None:
+def test_a_player_may_advertise_a_moment_before_the_referee_says_so(server: Server) -> None:
     al = server.session(session_identity(TOKEN))
-    assert "only signed-in players" in error(al.receive(ADVERTISE, 0.0))["msg"]
+    assert al.receive(ADVERTISE, 0.0) == []
+    assert al.updated(1.0) == []
+    server.battle(now=1.0, game=0)
+    (opened,) = al.updated(1.0)
+    assert isinstance(opened, OpenPublisher)
+    assert opened.topic == "/Robot3/command"
+    assert al.updated(9.0) == []
+
+
+def test_a_player_may_authenticate_and_advertise_in_one_breath(server: Server) -> None:
+    al = server.session(ANYBODY)
+    say(al, op="auth", client="al", mac=TOKEN)
+    assert al.receive(ADVERTISE, 0.0) == []
+    server.battle(now=1.0)
+    (opened,) = al.updated(1.0)
+    assert isinstance(opened, OpenPublisher)
+
+
+def test_a_newcomer_may_not_advertise_more_than_any_player(server: Server) -> None:
+    al = server.session(session_identity(TOKEN))
+    say(al, op="advertise", topic="/Robot4/command", type="laser_bot_battle/Robot_msg", id=5)
+    server.battle(now=1.0)
+    refusal = error(al.updated(1.0))
+    assert (refusal["msg"], refusal["id"]) == ("al may advertise /Robot3/command only, not /Robot4/command", 5)
+
+
+def test_a_newcomers_early_wishes_end(server: Server) -> None:
+    """With the wish, or when there are too many."""
+    al = server.session(session_identity(TOKEN))
+    al.receive(ADVERTISE, 0.0)
+    assert say(al, op="set_level", level="warning") == []
+    assert say(al, op="unadvertise", topic="/Robot3/command") == []
+    server.battle(now=1.0)
+    assert al.updated(1.0) == []
+    stranger = server.session(session_identity("of nobody"))
+    for number in range(100):
+        assert say(stranger, op="advertise", topic=f"/p{number}", type="std_msgs/String") == []
+    error(say(stranger, op="advertise", topic="/more", type="std_msgs/String"))
+    assert len(without_log(stranger.updated(2.0))) == 100
+
+
+def test_a_player_whose_advertising_was_refused_drives_nevertheless(server: Server) -> None:
+    """While the referee was away, say."""
+    al = server.session(session_identity(TOKEN))
+    assert al.receive(ADVERTISE, 0.0) == []
+    assert al.updated(1.9) == []
+    assert "only signed-in players" in error(al.updated(2.0))["msg"]
     server.battle()
-    opened, published = al.receive(PUBLISH, 0.0)
+    opened, published = al.receive(PUBLISH, 3.0)
     assert isinstance(opened, OpenPublisher)
     assert published == Publish("/Robot3/command", Robot_msg(1, -1, False))
-    assert al.receive(PUBLISH, 0.0) == [published]
+    assert al.receive(PUBLISH, 3.0) == [published]
 
 
 @pytest.mark.parametrize(
