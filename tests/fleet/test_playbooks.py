@@ -14,7 +14,7 @@ from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
-from tests.support.rehearsal import Rehearsal, docker, outside, power_off, power_on
+from tests.support.rehearsal import SSH, Rehearsal, docker, outside, power_off, power_on
 
 
 def test_the_operators_checks_pass(rehearsal: Rehearsal) -> None:
@@ -34,6 +34,24 @@ def test_a_host_that_would_be_locked_out_is_left_alone(rehearsal: Rehearsal) -> 
     assert run.recap["raspberrypi1"]["failed"] == 1
     assert rehearsal.robots[0].run("true") == ""
     assert rehearsal.playbook("deploy", "--limit=raspberrypi1").changed == 0, "nothing had been changed"
+
+
+def test_a_host_with_ssh_at_another_port_is_left_alone(rehearsal: Rehearsal) -> None:
+    """The firewall opens port 22 only."""
+    robot = rehearsal.robots[0]
+    way = f"ssh {SSH} -W 127.0.0.1:2222 pi@{robot.address}"
+    variables = {
+        "ansible_port": 2222,
+        "ansible_ssh_common_args": f"{SSH} -o HostKeyAlias={robot.address} -o ProxyCommand='{way}'",
+        "fleet_control_networks": ["127.0.0.0/8"],  # that is not the obstacle
+    }
+    robot.run("systemd-run --unit=second-sshd /usr/sbin/sshd -D -p 2222")
+    try:
+        run = rehearsal.playbook("deploy", f"--extra-vars={json.dumps(variables)}", "--limit=raspberrypi1", check=False)
+    finally:
+        robot.run("systemctl stop second-sshd")
+    assert "to port 2222: it would lock itself out" in run.output
+    assert run.changed == 0
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from tests.support.play import PLAYING, STOPPED, obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
-from tests.support.rehearsal import FOLDER, Playbook, Rehearsal, docker, power_off, power_on
+from tests.support.rehearsal import FOLDER, Playbook, Rehearsal, cut, docker, power_off, power_on
 
 Measured = Callable[[str], None]
 VERSION = ElementTree.parse(ROOT / "laser_bot_battle" / "package.xml").findtext("version")
@@ -224,12 +224,18 @@ def test_one_that_fails_keeps_the_update_from_the_next(rehearsal: Rehearsal, bet
     rehearsal.wait_until_complete()
 
 
-def test_one_that_is_lost_keeps_the_update_from_the_next(rehearsal: Rehearsal, better: Path) -> None:
+def test_one_that_is_lost_keeps_the_update_from_the_next(
+    rehearsal: Rehearsal, better: Path, measured: Measured
+) -> None:
     first, _, third = rehearsal.robots
     old = images(rehearsal.robots)
     run = Playbook("update", f"--extra-vars=fleet_images_archive={better} batch=2")
     try:
         run.wait_for("TASK [robot :", 200)
+        with cut(first):  # a plug takes no leave: no connection is closed
+            measured("")
+            until(lambda: f"fatal: [{first.name}]: UNREACHABLE!" in run.output, 120, "the robot is given up")
+            measured("given up")
         power_off(first)
         run.finish(check=False)
     finally:
