@@ -100,7 +100,7 @@ def bake(sources: Path, tag: str, **variables: str) -> float:
     tags = [f"--set={image}.tags={image}:{tag}" for image in PLATFORMS]
     began = time.monotonic()
     result = subprocess.run(
-        ["docker", "buildx", "bake", "--progress=plain", f"--set=*.context={sources}", *tags],
+        [ROOT / "ci/bake", "--progress=plain", f"--set=*.context={sources}", *tags],
         env={**os.environ, **variables}, cwd=ROOT, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert result.returncode == 0, result.stderr
