@@ -1,19 +1,15 @@
 """A client's conversation: JSON text in, effects out."""
 
-import hashlib
 import json
 from typing import Any
 
 import pytest
 
-from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
-from server.rosbridge.conversion import Types
-from server.rosbridge.drivers import Drivers
+from laser_bot_battle.msg import Robot_msg
 from server.rosbridge.effects import (
     CallService,
     ClosePublisher,
     CloseSubscription,
-    Effect,
     Log,
     OpenPublisher,
     OpenSubscription,
@@ -21,59 +17,8 @@ from server.rosbridge.effects import (
     Replay,
     Send,
 )
-from server.rosbridge.gate import ANYBODY, OPERATOR, Gate, Identity, battle_of, session_identity
-from server.rosbridge.graph import Graph
-from server.rosbridge.protocol import Session
-
-# As roslib sends them.
-ADVERTISE = (
-    '{"op":"advertise","id":"advertise:/Robot3/command:1","type":"laser_bot_battle/Robot_msg",'
-    '"topic":"/Robot3/command","latch":false,"queue_size":100}'
-)
-PUBLISH = (
-    '{"op":"publish","id":"publish:/Robot3/command:2","topic":"/Robot3/command",'
-    '"msg":{"linear_x":1,"angular_z":-1,"shoot":false},"latch":false}'
-)
-TOKEN = "the token of al"
-
-
-class Server:
-    """All that sessions share."""
-
-    def __init__(self) -> None:
-        self.gate, self.drivers, self.graph, self.types = Gate("secret"), Drivers(), Graph(), Types()
-
-    def session(self, identity: Identity = OPERATOR) -> Session:
-        return Session(self.gate, self.drivers, self.graph, self.types, identity)
-
-    def battle(self, now: float = 0.0, game: int = 2, robot: int = 3, name: str = "al") -> None:
-        """al, or who else is named, fights with a robot."""
-        session = hashlib.sha256(TOKEN.encode()).hexdigest()
-        users = [UserStatus(name=name, robot=robot, life=100, ready=True, session=session)]
-        self.gate.update(battle_of(GameStatus(game=game, users=users)), now)
-
-
-@pytest.fixture
-def server() -> Server:
-    return Server()
-
-
-def say(session: Session, now: float = 0.0, **fields: Any) -> list[Effect]:
-    """The effects of a request, log lines apart."""
-    return without_log(session.receive(json.dumps(fields), now))
-
-
-def without_log(effects: list[Effect]) -> list[Effect]:
-    return [effect for effect in effects if not isinstance(effect, Log)]
-
-
-def error(effects: list[Effect]) -> dict[str, Any]:
-    """The one effect, which is a status of level error."""
-    (sent,) = without_log(effects)
-    assert isinstance(sent, Send)
-    status = json.loads(sent.text)
-    assert (status["op"], status["level"]) == ("status", "error")
-    return dict(status)
+from server.rosbridge.gate import ANYBODY, OPERATOR, session_identity
+from tests.unit.rosbridge.sessions import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
 
 
 def test_the_words_of_a_page_become_commands_to_its_robot(server: Server) -> None:
@@ -83,62 +28,6 @@ def test_the_words_of_a_page_become_commands_to_its_robot(server: Server) -> Non
     assert isinstance(opened, OpenPublisher)
     assert (opened.topic, opened.type.name, opened.latch) == ("/Robot3/command", "laser_bot_battle/Robot_msg", False)
     assert al.receive(PUBLISH, 0.0) == [Publish("/Robot3/command", Robot_msg(1, -1, False))]
-
-
-def test_a_player_may_advertise_a_moment_before_the_referee_says_so(server: Server) -> None:
-    al = server.session(session_identity(TOKEN))
-    assert al.receive(ADVERTISE, 0.0) == []
-    assert al.updated(1.0) == []
-    server.battle(now=1.0, game=0)
-    (opened,) = al.updated(1.0)
-    assert isinstance(opened, OpenPublisher)
-    assert opened.topic == "/Robot3/command"
-    assert al.updated(9.0) == []
-
-
-def test_a_player_may_authenticate_and_advertise_in_one_breath(server: Server) -> None:
-    al = server.session(ANYBODY)
-    say(al, op="auth", client="al", mac=TOKEN)
-    assert al.receive(ADVERTISE, 0.0) == []
-    server.battle(now=1.0)
-    (opened,) = al.updated(1.0)
-    assert isinstance(opened, OpenPublisher)
-
-
-def test_a_newcomer_may_not_advertise_more_than_any_player(server: Server) -> None:
-    al = server.session(session_identity(TOKEN))
-    say(al, op="advertise", topic="/Robot4/command", type="laser_bot_battle/Robot_msg", id=5)
-    server.battle(now=1.0)
-    refusal = error(al.updated(1.0))
-    assert (refusal["msg"], refusal["id"]) == ("al may advertise /Robot3/command only, not /Robot4/command", 5)
-
-
-def test_a_newcomers_early_wishes_end(server: Server) -> None:
-    """With the wish, or when there are too many."""
-    al = server.session(session_identity(TOKEN))
-    al.receive(ADVERTISE, 0.0)
-    assert say(al, op="set_level", level="warning") == []
-    assert say(al, op="unadvertise", topic="/Robot3/command") == []
-    server.battle(now=1.0)
-    assert al.updated(1.0) == []
-    stranger = server.session(session_identity("of nobody"))
-    for number in range(100):
-        assert say(stranger, op="advertise", topic=f"/p{number}", type="std_msgs/String") == []
-    error(say(stranger, op="advertise", topic="/more", type="std_msgs/String"))
-    assert len(without_log(stranger.updated(2.0))) == 100
-
-
-def test_a_player_whose_advertising_was_refused_drives_nevertheless(server: Server) -> None:
-    """While the referee was away, say."""
-    al = server.session(session_identity(TOKEN))
-    assert al.receive(ADVERTISE, 0.0) == []
-    assert al.updated(1.9) == []
-    assert "only signed-in players" in error(al.updated(2.0))["msg"]
-    server.battle()
-    opened, published = al.receive(PUBLISH, 3.0)
-    assert isinstance(opened, OpenPublisher)
-    assert published == Publish("/Robot3/command", Robot_msg(1, -1, False))
-    assert al.receive(PUBLISH, 3.0) == [published]
 
 
 @pytest.mark.parametrize(
@@ -331,72 +220,6 @@ def test_service_calls_under_way_are_counted(server: Server) -> None:
     calls[0].done(None, "late", 0.0)
     (call,) = say(session, op="call_service", service="/a")
     assert isinstance(call, CallService)
-
-
-def test_a_player_authenticates_by_name_and_token(server: Server) -> None:
-    server.battle()
-    session = server.session(ANYBODY)
-    assert say(session, op="auth", client="al", mac=TOKEN, dest="", rand="x", t=1, level="", end=9) == []
-    assert session.receive(PUBLISH, 0.0)[-1] == Publish("/Robot3/command", Robot_msg(1, -1, False))
-
-
-def test_a_player_may_authenticate_a_moment_before_the_referee_says_so(server: Server) -> None:
-    session = server.session(ANYBODY)
-    assert say(session, op="auth", client="al", mac=TOKEN) == []
-    server.battle(now=1.0)
-    assert session.updated(1.0) == []
-    assert session.identity == session_identity(TOKEN)
-
-
-@pytest.mark.parametrize("name", ["al", "operator"])
-@pytest.mark.parametrize("token", ["guess", "", "\ud800", "ö"], ids=ascii)
-def test_a_token_that_nobody_has_is_refused_after_a_while(server: Server, name: str, token: str) -> None:
-    who = session_identity("of before")
-    session = server.session(who)
-    assert say(session, op="auth", client=name, mac=token, id=4) == []
-    assert session.updated(1.9) == []
-    refusal = error(session.updated(2.0))
-    assert (refusal["msg"], refusal["id"]) == ("nobody of this name has this token", 4)
-    assert session.updated(9.0) == []
-    assert session.identity == who
-
-
-def test_a_token_does_not_fit_another_name(server: Server) -> None:
-    server.battle()
-    session = server.session(ANYBODY)
-    assert "nobody of this name" in error(say(session, op="auth", client="bo", mac=TOKEN))["msg"]
-    assert session.identity == ANYBODY
-
-
-def test_the_operator_authenticates(server: Server) -> None:
-    session = server.session(ANYBODY)
-    assert say(session, op="auth", client="operator", mac="secret") == []
-    assert session.identity == OPERATOR
-
-
-def test_the_operators_second_try_counts(server: Server) -> None:
-    session = server.session(ANYBODY)
-    say(session, op="auth", client="operator", mac="sceret")
-    say(session, op="auth", client="operator", mac="secret")
-    assert session.updated(2.0) == []
-    assert session.identity == OPERATOR
-
-
-def test_a_player_may_be_called_operator_and_is_none(server: Server) -> None:
-    early, late = server.session(ANYBODY), server.session(ANYBODY)
-    assert say(early, op="auth", client="operator", mac=TOKEN) == []
-    server.battle(now=1.0, name="operator")
-    assert early.updated(1.0) == []
-    assert say(late, op="auth", client="operator", mac=TOKEN) == []
-    assert early.identity == late.identity == session_identity(TOKEN)
-
-
-def test_without_a_token_set_nobody_is_operator(server: Server) -> None:
-    server.gate = Gate("")
-    session = server.session(ANYBODY)
-    say(session, op="auth", client="operator", mac="")
-    error(session.updated(2.0))
-    assert session.identity == ANYBODY
 
 
 def test_a_refusal_to_drive_is_told_once_a_second_or_when_its_reason_changes(server: Server) -> None:

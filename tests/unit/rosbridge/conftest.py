@@ -1,0 +1,10 @@
+"""What the tests of sessions share."""
+
+import pytest
+
+from tests.unit.rosbridge.sessions import Server
+
+
+@pytest.fixture
+def server() -> Server:
+    return Server()
