@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.programs import ROOT
 from tests.support.rehearsal import Rehearsal
 

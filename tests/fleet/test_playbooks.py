@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from websockets.sync.client import connect
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
@@ -18,7 +18,7 @@ from tests.support.rehearsal import SSH, Rehearsal, docker, outside, power_off, 
 
 
 def test_the_operators_checks_pass(rehearsal: Rehearsal) -> None:
-    """All of tests/fleet/checks, on every host, as a table."""
+    """All of ansible/checks, on every host, as a table."""
     run = rehearsal.playbook("check")
     rows = [line for line in run.output.splitlines() if " ok " in line]
     assert len(rows) > 15, run.output

@@ -10,7 +10,7 @@ from typing import Self
 import requests
 import yaml
 
-from tests.support.fleet import Fleet, Machine
+from fleet import Fleet, Machine
 from tests.support.polling import until
 from tests.support.programs import ROOT, Program
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until

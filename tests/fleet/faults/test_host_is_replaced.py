@@ -5,8 +5,8 @@ import signal
 import subprocess
 from collections.abc import Callable
 
+from fleet import Machine
 from tests.support.card import card_of, settings
-from tests.support.fleet import Machine
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.programs import ROOT

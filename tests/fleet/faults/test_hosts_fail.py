@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.play import STOPPED, keep_turning, obeys, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until

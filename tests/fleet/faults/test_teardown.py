@@ -7,8 +7,8 @@ import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from fleet import Machine
 from tests.support.card import card_of, packages, settings
-from tests.support.fleet import Machine
 from tests.support.rehearsal import Rehearsal, ask_from
 
 Measured = Callable[[str], None]

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.play import PLAYING, STOPPED, obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until

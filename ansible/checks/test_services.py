@@ -4,8 +4,7 @@ import json
 import re
 import shlex
 
-from tests.support.fleet import Fleet, Machine
-from tests.support.polling import until
+from fleet import Fleet, Machine, until
 
 
 def test_every_service_is_healthy(machine: Machine) -> None:

@@ -1,13 +1,13 @@
 """For the checks of a deployed fleet, real or rehearsed: each runs on every host that it concerns; a table sums up."""
 
 from collections import defaultdict
+from pathlib import Path
 
 import pytest
 
-from tests.support.fleet import Fleet
-from tests.support.programs import ROOT
+from fleet import Fleet
 
-HOSTS = ROOT / "build" / "fleet-hosts.json"  # ansible/check.yml writes it
+HOSTS = Path(__file__).parents[2] / "build" / "fleet-hosts.json"  # ansible/check.yml writes it
 
 
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:

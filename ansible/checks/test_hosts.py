@@ -4,8 +4,7 @@ import re
 import shlex
 import subprocess
 
-from tests.support.fleet import Fleet, Machine
-from tests.support.polling import until
+from fleet import Fleet, Machine, until
 
 SECRETS_OF_ALL = ("/root/.docker/config.json",)
 SECRETS_OF_THE_MASTER = (

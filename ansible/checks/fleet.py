@@ -5,7 +5,8 @@ import contextlib
 import functools
 import json
 import socket
-from collections.abc import Iterable
+import time
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -89,3 +90,11 @@ def resolved(name: str) -> str:
     with contextlib.suppress(OSError):
         return socket.gethostbyname(name)
     return name
+
+
+def until(condition: Callable[[], bool], seconds: float, what: str) -> None:
+    """Ask until it is so; AssertionError after `seconds`."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, f"not within {seconds:.0f} s: {what}"
+        time.sleep(0.2)
