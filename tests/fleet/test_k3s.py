@@ -19,6 +19,8 @@ from fleet import Machine
 from tests.support.programs import ROOT
 from tests.support.rehearsal import Rehearsal
 
+pytestmark = pytest.mark.slow
+
 PROGRAM = "/usr/local/bin/k3s"
 NOTES = "/var/tmp/k3s"
 IMAGES = "/var/lib/rancher/k3s/agent/images/laserbot.tar"

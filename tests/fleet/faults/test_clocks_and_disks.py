@@ -15,6 +15,8 @@ from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, docker, outside
 
+pytestmark = pytest.mark.slow
+
 Measured = Callable[[str], None]
 SERVICE = "laserbot-robot"
 LIBRARY = "/var/tmp/libfaketime.so"
