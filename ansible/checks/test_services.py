@@ -37,8 +37,7 @@ def test_containers_are_kept_in(machine: Machine) -> None:
         assert not settings["Privileged"]
         assert "no-new-privileges" in str(settings["SecurityOpt"])
         assert settings["RestartPolicy"]["Name"] == "unless-stopped"
-        engine = json.loads(machine.run("cat /etc/docker/daemon.json"))
-        assert settings["LogConfig"]["Config"] == engine["log-opts"]
+        assert settings["LogConfig"]["Config"].keys() == {"max-size", "max-file"}, "its log is bounded"
 
 
 def test_no_program_of_the_game_is_root(machine: Machine) -> None:
