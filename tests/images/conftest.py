@@ -49,7 +49,7 @@ def version() -> str:
     """The tag of the images, which have been built when this is asked for."""
     if not os.environ.get("IMAGES_ENGINE"):
         pytest.fail(
-            "these tests need a Docker Engine: ci/engine .venv/bin/python -m pytest tests/images", pytrace=False
+            "these tests need a Docker Engine: ci/engine/run .venv/bin/python -m pytest tests/images", pytrace=False
         )
     build()
     version = re.search(r"<version>(.*)</version>", (ROOT / "laser_bot_battle/package.xml").read_text())[1]

@@ -15,7 +15,7 @@ from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
-ENGINE = str(ROOT / "ci/engine")
+ENGINE = str(ROOT / "ci/engine/run")
 NO_ENGINE = {**os.environ, "DOCKER_HOST": "unix:///nowhere"}
 needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root gets a private engine")
 
@@ -35,7 +35,7 @@ def test_without_an_engine_and_without_root_one_line_says_what_to_install(tmp_pa
 def test_no_command_means_help() -> None:
     result = subprocess.run([ENGINE], capture_output=True, text=True, check=False)
     assert result.returncode == 2
-    assert "ci/engine COMMAND" in result.stderr
+    assert "ci/engine/run COMMAND" in result.stderr
 
 
 def start(command: str = "exec sleep 300", **variables: str) -> Program:

@@ -30,7 +30,7 @@ RUN_BY = {
         "make images PLATFORM=linux/arm/v7 ARCHIVE=robot.tar": "tests/images/test_delivery.py"
         "::test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind",
         "docker compose --profile demo up": "tests/images/test_compose.py::test_a_battle_is_played_to_its_end",
-        "ENGINE_PORTS=5000,8080,9090 ci/engine docker compose --profile demo up": "tests/integration/test_engine.py"
+        "ENGINE_PORTS=5000,8080,9090 ci/engine/run docker compose --profile demo up": "tests/integration/test_engine.py"
         "::test_chosen_ports_of_a_private_engine_are_reached_through_the_systems",
         "docker compose --profile master up -d": "tests/images/test_compose_lan.py"
         "::test_a_robot_on_a_serial_device_joins_the_master",
