@@ -2,7 +2,7 @@
 
     python3 -m robot.serial_node /dev/ttyACM0 __name:=Robot0 command:=Robot0/command response:=Robot0/response
 
-Ends with exit code 0 on SIGINT or SIGTERM, and with 1 and the reason in the log when the link, the node's name or the
+Ends with exit code 0 on SIGINT or SIGTERM, and with 1 and the reason in the log when the device, the node's name or the
 ROS master is lost: whoever started it starts it again.
 """
 
@@ -18,10 +18,10 @@ from robot.installed import missing_explained
 with missing_explained():
     import rospy
 
-    from robot.link import Link
     from robot.mailbox import Mailbox
     from robot.master_watch import Master, MasterWatch
     from robot.ros_environment import ros_environment
+    from robot.serial_line import SerialLine
     from robot.serial_port import PortError, SerialPort
     from robot.settings import Settings
 
@@ -60,16 +60,16 @@ def main() -> int:
 
 
 def serve(port: SerialPort, mailbox: Mailbox, master: Master) -> int:
-    """Be the node until something ends it; returns the exit code. PortError when the link is lost."""
+    """Be the node until something ends it; returns the exit code. PortError when the device is lost."""
     rospy.init_node("serial_node", disable_signals=True)
     rospy.on_shutdown(lambda: mailbox.end("another node has taken this node's name"))
     watch = MasterWatch(master, rospy.get_name(), rospy.get_node_uri(), mailbox.end)
     watch.start()
-    link = Link(port, mailbox)
+    line = SerialLine(port, mailbox)
     log.info("%s serves %s", rospy.get_name(), port.device)
     try:
-        reason = link.run()
-        link.stop_device()
+        reason = line.run()
+        line.stop_device()
     finally:
         watch.stop()
         rospy.signal_shutdown("serial node ends")
