@@ -23,7 +23,7 @@ with missing_explained():
     from robot.ping_thread import PingThread
     from robot.serial_port import PortError, probe
     from robot.settings import Settings
-    from robot.status_led import State, Status, status_led
+    from robot.status_led import Indication, State, status_led
 
 require(
     "rospy", "rosgraph", "genpy", "std_msgs", "laser_bot_battle.msg._Robot_msg"
@@ -61,7 +61,7 @@ def main() -> int:
             while True:
                 log.info("Starting service client ...")
                 try:
-                    attend(settings, led)
+                    run_robot(settings, led)
                 except (ArduinoLostError, PortError, RegistrationError) as error:
                     led.state = State.FAILING
                     log.error("%s (again in %g s)", error, settings.retry)
@@ -71,7 +71,7 @@ def main() -> int:
     return 0
 
 
-def attend(settings: Settings, led: Status) -> None:
+def run_robot(settings: Settings, led: Indication) -> None:
     """One life of the robot, from finding the Arduino to losing it; always ends with an exception that says why."""
     device = find_arduino(settings.devices)
     log.info("asking the Arduino at %s", device)
@@ -85,7 +85,7 @@ def attend(settings: Settings, led: Status) -> None:
                     continue  # under its new name
             log.info("New robot ID = %d", robot_id)
             with PingThread(settings.alive_url, robot_id) as pings:
-                keep(node, pings, led, time.monotonic() + settings.retry)
+                supervise(node, pings, led, time.monotonic() + settings.retry)
             log.warning("the server does not know robot %d (any more): registering again", robot_id)
             led.state = State.FAILING
             # The node starts anew: after an outage its subscriber may hold a connection whose other end was closed
@@ -101,7 +101,7 @@ def find_arduino(devices: tuple[str, ...]) -> str:
     raise ArduinoLostError(f"No attached ARDUINO found: looked for {', '.join(devices)}")
 
 
-def keep(node: SerialNode, pings: PingThread, led: Status, not_before: float) -> None:
+def supervise(node: SerialNode, pings: PingThread, led: Indication, not_before: float) -> None:
     """Watch a working robot until the server has forgotten it; a server that does so at once is not asked in a rush.
 
     ArduinoLostError when the serial node ends.

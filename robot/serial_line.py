@@ -27,8 +27,8 @@ from robot.transmit_queue import TransmitQueue
 TICK = 0.1  # s, longest wait without looking at the time
 DEVICE_LEVELS = (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, logging.CRITICAL)
 
-log = logging.getLogger("robot.serial_node")
-device_log = logging.getLogger("robot.arduino")
+_log = logging.getLogger(__name__)
+_device_log = logging.getLogger("robot.arduino")
 
 
 class SerialLine:
@@ -73,7 +73,7 @@ class SerialLine:
         if info is None:
             return
         if len(payload) > info.buffer_size:
-            log.warning(
+            _log.warning(
                 "message of %d bytes for %s dropped: longer than the device's buffer of %d",
                 len(payload),
                 info.topic_name,
@@ -97,8 +97,8 @@ class SerialLine:
             case Message(topic_id, payload):
                 self._topics.publish(topic_id, payload)
             case DeviceLog(level, text):
-                device_log.log(DEVICE_LEVELS[min(level, len(DEVICE_LEVELS) - 1)], "%s", text)
+                _device_log.log(DEVICE_LEVELS[min(level, len(DEVICE_LEVELS) - 1)], "%s", text)
             case Notice(text):
-                log.warning("%s", text)
+                _log.warning("%s", text)
             case Lost(reason):
                 raise PortError(f"{self._port.device}: {reason}")

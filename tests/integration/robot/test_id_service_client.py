@@ -137,7 +137,7 @@ def test_a_web_server_that_is_away_and_back_changes_nothing_else(
     assert len(ids.callers) == 1
 
 
-def test_without_the_service_the_reason_is_said_and_the_robot_tries_on(
+def test_without_the_service_the_reason_is_said_and_the_robot_tries_again(
     ros_master: RosMaster, tmp_path: Path, robot: Program
 ) -> None:
     until(lambda: robot.output.count("Service call failed") >= 2, 15)
@@ -146,7 +146,7 @@ def test_without_the_service_the_reason_is_said_and_the_robot_tries_on(
     service.kill()
 
 
-def test_without_a_ros_master_the_reason_is_said_and_the_robot_tries_on(device: Device, tmp_path: Path) -> None:
+def test_without_a_ros_master_the_reason_is_said_and_the_robot_tries_again(device: Device, tmp_path: Path) -> None:
     master = RosMaster(tmp_path)
     env = {**master.env, "LASERBOT_SERIAL": device.path, "LASERBOT_RETRY": "0.2", "LASERBOT_MASTER": "127.0.0.1"}
     robot = Program.python("robot.id_service_client", env={**env, "LASERBOT_WEB_PORT": str(free_port())})
