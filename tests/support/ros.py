@@ -6,8 +6,10 @@ A test package makes the fixture its own by importing it in its conftest.py:
 """
 
 import os
+import signal
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -44,6 +46,16 @@ class RosMaster:
         if self._program is not None:
             self._program.stop()
             self._program = None
+
+    @contextmanager
+    def hanging(self) -> Iterator[None]:
+        """Its port is open inside the block, and it answers nothing."""
+        assert self._program is not None
+        self._program.process.send_signal(signal.SIGSTOP)
+        try:
+            yield
+        finally:
+            self._program.process.send_signal(signal.SIGCONT)
 
 
 @pytest.fixture(scope="module")
