@@ -9,7 +9,6 @@ import os
 import signal
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -47,15 +46,14 @@ class RosMaster:
             self._program.stop()
             self._program = None
 
-    @contextmanager
-    def hanging(self) -> Iterator[None]:
-        """Its port is open inside the block, and it answers nothing."""
-        assert self._program is not None
+    def pause(self) -> None:
+        """It hangs until resume()."""
+        assert self._program
         self._program.process.send_signal(signal.SIGSTOP)
-        try:
-            yield
-        finally:
-            self._program.process.send_signal(signal.SIGCONT)
+
+    def resume(self) -> None:
+        assert self._program
+        self._program.process.send_signal(signal.SIGCONT)
 
 
 @pytest.fixture(scope="module")
