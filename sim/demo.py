@@ -1,6 +1,6 @@
 """A whole battle on one machine: starts it, waits until all are ready, says where to play, stops it on Ctrl-C.
 
-roslaunch is the process manager of the battle (laser_bot_battle/launch/demo.launch); this program looks after what
+roslaunch is the process manager of the battle (sim/launch/demo.launch); this program looks after what
 roslaunch does not: ports in use, being ready, plain words for people, and that nothing is left behind.
 """
 
@@ -128,8 +128,7 @@ class Battle:
                     "/usr/bin/roslaunch",
                     "--port",
                     str(ports["LASERBOT_ROS_PORT"]),
-                    "laser_bot_battle",
-                    "demo.launch",
+                    str(ROOT / "sim" / "launch" / "demo.launch"),
                     f"robots:={robots}",
                     f"bots:={bots}",
                     f"run_dir:={folder}",
