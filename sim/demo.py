@@ -1,10 +1,12 @@
 """A whole battle on one machine: starts it, waits until all are ready, says where to play, stops it on Ctrl-C.
 
-roslaunch is the process manager of the battle (sim/launch/demo.launch); this program looks after what
-roslaunch does not: ports in use, being ready, plain words for people, and that nothing is left behind.
+roslaunch runs the parts of the battle (sim/launch/demo.launch). This program looks after what roslaunch does not: the
+ROS master (roslaunch would end with one that it started), ports in use, being ready, plain words for people, and that
+nothing is left behind.
 """
 
 import argparse
+import contextlib
 import ctypes
 import http.client
 import json
@@ -92,15 +94,15 @@ def request(port: int, method: str, path: str, timeout: float = 1.0) -> tuple[in
         connection.close()
 
 
-class Battle:
-    """The running demo: roslaunch and all that it started."""
+class Demo:
+    """The running demo: the ROS master, roslaunch and all that it started."""
 
     def __init__(self, robots: int, bots: int, bind: str, ports: dict[str, int], folder: Path) -> None:
         """`folder` is empty. DemoError for a setting that the server would refuse."""
         self.robots, self.bots, self.ports = robots, bots, ports
         for number in range(robots):
             (folder / f"virtual{number}").mkdir()
-        environment = {
+        self.environment = {
             **os.environ,
             "LASERBOT_BIND": bind,
             **{variable: str(port) for variable, port in ports.items()},
@@ -115,25 +117,29 @@ class Battle:
             "ROS_LOG_DIR": str(folder / "ros" / "log"),
             "PYTHONUNBUFFERED": "1",
         }
-        environment.pop("ROS_HOSTNAME", None)
+        self.environment.pop("ROS_HOSTNAME", None)
         try:
-            Settings.from_env(environment)
+            Settings.from_env(self.environment)
         except SettingsError as error:
             raise DemoError(str(error)) from None
         self.log = folder / "log"
-        with self.log.open("wb") as log:
-            self.roslaunch = subprocess.Popen(
-                [
-                    "/usr/bin/python3",
-                    "/usr/bin/roslaunch",
-                    "--port",
-                    str(ports["LASERBOT_ROS_PORT"]),
-                    str(ROOT / "sim" / "launch" / "demo.launch"),
-                    f"robots:={robots}",
-                    f"bots:={bots}",
-                    f"run_dir:={folder}",
-                ],
-                env=environment,
+        self.master = self.start_master()
+        self.roslaunch = self.start(
+            "roslaunch",
+            "--wait",  # for the master
+            "--run_id=demo",  # else it waits for another roslaunch to name the run
+            str(ROOT / "sim" / "launch" / "demo.launch"),
+            f"robots:={robots}",
+            f"bots:={bots}",
+            f"run_dir:={folder}",
+        )
+
+    def start(self, program: str, *arguments: str) -> subprocess.Popen[bytes]:
+        """A program of ROS, which writes into our log."""
+        with self.log.open("ab") as log:
+            return subprocess.Popen(
+                ["/usr/bin/python3", f"/usr/bin/{program}", *arguments],
+                env=self.environment,
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -142,10 +148,16 @@ class Battle:
                 preexec_fn=die_with_parent,  # noqa: PLW1509 - this program has one thread
             )
 
-    def check_running(self) -> None:
+    def start_master(self) -> subprocess.Popen[bytes]:
+        return self.start("rosmaster", "--core", "-p", str(self.ports["LASERBOT_ROS_PORT"]))
+
+    def supervise(self) -> None:
+        """Start the master again if it has ended; the nodes find it. Raises DemoError when roslaunch has ended."""
         if self.roslaunch.poll() is not None:
             tail = self.log.read_text(errors="replace").splitlines()[-15:]
             raise DemoError("\n  ".join([f"the battle ended by itself. The end of {self.log}:", *tail]))
+        if self.master.poll() is not None:
+            self.master = self.start_master()
 
     def steps(self) -> dict[str, Callable[[], bool]]:
         """What must be there before anyone can play, in the order in which it comes up, each with its question."""
@@ -177,7 +189,7 @@ class Battle:
         deadline = time.monotonic() + READY_WITHIN
         missing = self.steps()
         while missing:
-            self.check_running()
+            self.supervise()
             for step in [step for step, is_up in missing.items() if is_up()]:
                 say(f"  ready: {step}")
                 del missing[step]
@@ -188,14 +200,16 @@ class Battle:
     def wait(self) -> None:
         """Until the battle ends by itself, which it should not."""
         while True:
-            self.check_running()
+            self.supervise()
             time.sleep(0.5)
 
     def stop(self) -> None:
-        """End roslaunch and its nodes, and make sure that no process is left."""
-        if self.roslaunch.poll() is None:
-            self.roslaunch.send_signal(signal.SIGINT)
+        """End roslaunch with its nodes, then the master, and make sure that no process is left."""
         deadline = time.monotonic() + STOP_WITHIN
+        self.roslaunch.send_signal(signal.SIGINT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.roslaunch.wait(STOP_WITHIN)
+        self.master.send_signal(signal.SIGINT)
         while children() and time.monotonic() < deadline:
             reap()
             time.sleep(0.02)
@@ -272,22 +286,22 @@ def main() -> int:
     for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(signum, on_signal)
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
-    battle = None
+    demo = None
     try:
         bind = read_bind()
         ports = read_ports(bind)
         folder = empty_folder(ports["LASERBOT_WEB_PORT"])
         say(f"Starting the battle: {counted(options.robots, 'virtual robot')}, {counted(options.bots, 'bot')} ...")
-        battle = Battle(options.robots, options.bots, bind, ports, folder)
-        battle.wait_until_ready()
+        demo = Demo(options.robots, options.bots, bind, ports, folder)
+        demo.wait_until_ready()
         say(
             f"\nReady. Open\n"
             f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game\n"
             f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
             f"{who_can_play(options.robots - options.bots)}\n"
-            f"Ctrl-C stops everything. What the parts say: {battle.log}"
+            f"Ctrl-C stops everything. What the parts say: {demo.log}"
         )
-        battle.wait()
+        demo.wait()
     except Interrupted:
         say("\nStopping ...")
     except DemoError as error:
@@ -296,8 +310,8 @@ def main() -> int:
     finally:
         for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(signum, signal.SIG_IGN)
-        if battle:
-            battle.stop()
+        if demo:
+            demo.stop()
     say("Stopped.")
     return 0
 
