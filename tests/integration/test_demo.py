@@ -140,8 +140,8 @@ def test_a_port_in_use_is_one_clear_line() -> None:
         (["--robots", "1", "--bots", "2"], {}, "2 bots cannot play with 1 robot: start more robots"),
         ([], {"LASERBOT_BIND": "192.0.2.2"}, "choose 127.0.0.1 (this machine only) or 0.0.0.0 (the network too)"),
         ([], {"LASERBOT_HIT_DAMAGE": "abc"}, "LASERBOT_HIT_DAMAGE=abc: must be a whole number from 1 to 100"),
-        ([], {"LASERBOT_WEB_PORT": "http"}, "LASERBOT_WEB_PORT='http' is no port number"),
-        ([], {"LASERBOT_ROSBRIDGE_PORT": "0"}, "LASERBOT_ROSBRIDGE_PORT='0' is no port number"),
+        ([], {"LASERBOT_WEB_PORT": "http"}, "LASERBOT_WEB_PORT=http: must be a whole number from 1 to 65535"),
+        ([], {"LASERBOT_ROSBRIDGE_PORT": "0"}, "LASERBOT_ROSBRIDGE_PORT=0: must be a whole number from 1 to 65535"),
         ([], {"LASERBOT_WEB_PORT": "7001", "LASERBOT_ARENA_PORT": "7001"}, "are both 7001"),
     ],
 )
