@@ -37,13 +37,6 @@ def _roster(text: str) -> dict[str, int]:
     return fixed
 
 
-def _folder(text: str) -> Path:
-    try:
-        return Path(text).expanduser()
-    except RuntimeError:
-        raise ValueError("this user has no home folder, so set it to another one") from None
-
-
 def _gpio(text: str) -> int | None:
     if text == "none":
         return None
@@ -88,7 +81,7 @@ DATA: Variable[Path] = Variable(
     "LASERBOT_DATA",
     Path("~/.local/share/laserbot"),
     "folder for `robots.json`: which robot has which ID; not with compose, which has a volume for it",
-    _folder,
+    Path,
     "`~/.local/share/laserbot`",
 )
 ROSTER: Variable[dict[str, int]] = Variable(

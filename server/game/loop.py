@@ -7,8 +7,8 @@ from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from server.referee import Referee, Verdict
-from server.snapshot import Player, Snapshot
+from server.game.referee import Referee, Verdict
+from server.game.snapshot import Player, Snapshot
 
 _log = logging.getLogger(__name__)
 
@@ -19,10 +19,10 @@ _STALL = 1.0  # s
 Listener = Callable[[Snapshot], None]
 
 
-class Battle:
+class GameLoop:
     """Thread-safe. Events may come from any thread; they get the referee's answer at once.
 
-    Listeners are called from one thread of the battle's own, without the lock, with every changed snapshot in order,
+    Listeners are called from one thread of its own, without the lock, with every changed snapshot in order,
     and with an unchanged one when nothing has happened for `_HEARTBEAT` seconds.
     """
 
@@ -35,7 +35,7 @@ class Battle:
         self._undelivered: deque[Snapshot] = deque(maxlen=100)
         self._listeners: list[Listener] = []
         self._stopping = False
-        self._thread = threading.Thread(target=self._run, name="battle", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="game loop", daemon=True)
 
     def add_listener(self, listener: Listener) -> None:
         """To be called before `start`."""
@@ -106,7 +106,7 @@ class Battle:
         now = self._clock()
         gap = now - self._looked_at
         if self._thread.is_alive() and gap > _HEARTBEAT + _STALL:
-            self._referee.excuse(gap)
+            self._referee.extend_deadlines(gap)
         self._looked_at = now
         return now
 
@@ -149,4 +149,4 @@ class Battle:
             try:
                 listener(snapshot)
             except Exception:
-                _log.exception("a listener of the battle failed; the others are told")
+                _log.exception("a listener of the game failed; the others are told")

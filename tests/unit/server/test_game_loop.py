@@ -6,14 +6,14 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from server.battle import Battle
-from server.referee import Referee, Rules, Verdict
+from server.game.loop import GameLoop
+from server.game.referee import Referee, Rules, Verdict
 from tests.support.polling import until
 
 
 @pytest.fixture
-def battle() -> Battle:
-    return Battle(Referee(Rules()))
+def battle() -> GameLoop:
+    return GameLoop(Referee(Rules()))
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def run(battle) -> Iterator[Callable[[], None]]:
     """Start the battle's thread; it must be gone after the test."""
     yield battle.start
     battle.stop()
-    assert "battle" not in [thread.name for thread in threading.enumerate()]
+    assert "game loop" not in [thread.name for thread in threading.enumerate()]
 
 
 def at_once(number: int, act: Callable[[int], object]) -> list[object]:
@@ -69,7 +69,7 @@ def test_players_who_sign_up_at_the_same_instant_get_different_robots(battle):
 
 
 def test_a_snapshot_is_never_empty_while_players_are_signed_in_and_hit():
-    battle = Battle(Referee(Rules(hit_damage=1, countdown=0.05)))
+    battle = GameLoop(Referee(Rules(hit_damage=1, countdown=0.05)))
     for index in range(4):
         battle.add_robot("/unnamed")
         battle.sign_up(f"p{index}", f"s{index}", 0)
@@ -133,7 +133,7 @@ def test_a_failing_listener_harms_neither_the_others_nor_the_game(battle, run, c
 
 def test_when_the_server_itself_stood_still_nobody_is_taken_for_gone():
     now = [100.0]
-    battle = Battle(Referee(Rules(robot_timeout=3.0, player_timeout=15.0)), clock=lambda: now[0])
+    battle = GameLoop(Referee(Rules(robot_timeout=3.0, player_timeout=15.0)), clock=lambda: now[0])
     battle.start()
     try:
         battle.add_robot("/a")
@@ -150,7 +150,7 @@ def test_when_the_server_itself_stood_still_nobody_is_taken_for_gone():
 
 
 def test_a_deadline_is_met_without_any_event():
-    battle = Battle(Referee(Rules(countdown=0.1)))
+    battle = GameLoop(Referee(Rules(countdown=0.1)))
     battle.add_robot("/a")
     battle.add_robot("/b")
     started = threading.Event()

@@ -4,7 +4,7 @@ import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-IDS = range(128)  # what fits the int8 of the service's answer
+from laser_bot_battle.names import ROBOT_IDS
 
 _ROS_NAME = re.compile(r"/[A-Za-z][A-Za-z0-9_/]{0,254}")
 # what ROS calls nodes that gave no name: rospy without init_node, and anonymous nodes (name_pid_milliseconds)
@@ -76,7 +76,7 @@ class Robots:
             kept = self._known.get(name)
             if kept is not None and kept not in self._robots:
                 return kept
-        free = [robot_id for robot_id in IDS if robot_id not in self._robots]
+        free = [robot_id for robot_id in ROBOT_IDS if robot_id not in self._robots]
         reserved = set(self._known.values())
         # an ID kept for an absent robot is given away only when there is no other
         return next((robot_id for robot_id in free if robot_id not in reserved), free[0] if free else None)

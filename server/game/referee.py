@@ -11,19 +11,20 @@ from enum import Enum, auto
 from functools import partial
 from operator import itemgetter
 
-from server.robot import Robot, Robots
-from server.snapshot import Game, Placing, Player, Snapshot
-from server.users import User, Users
+from laser_bot_battle import variables
+from server.game.robot import Robot, Robots
+from server.game.snapshot import Game, Placing, Player, Snapshot
+from server.game.users import User, Users
 
 
 @dataclass(frozen=True)
 class Rules:
     """The numbers of the game; times in seconds."""
 
-    hit_damage: int = 10
-    countdown: float = 15.0
-    battle_limit: float = 300.0
-    player_timeout: float = 15.0  # a page that is silent for so long has gone
+    hit_damage: int = variables.HIT_DAMAGE.default
+    countdown: float = variables.COUNTDOWN.default
+    battle_limit: float = variables.BATTLE_LIMIT.default
+    player_timeout: float = variables.PLAYER_TIMEOUT.default  # a page that is silent for so long has gone
     robot_timeout: float = 3.0  # within the 2 to 4 s of the manual's sweep
 
 
@@ -188,7 +189,7 @@ class Referee:
         for user in self._users:
             yield user.seen + self._rules.player_timeout, partial(self._remove_user, user, "left the page")
 
-    def excuse(self, gap: float) -> None:
+    def extend_deadlines(self, gap: float) -> None:
         """This program itself stood still for `gap` s: nobody's silence of that time counts."""
         for robot in self._robots:
             robot.alive_at += gap

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from server.logs import configure_logging
+from laser_bot_battle.log import configure_logging
 
 
 @pytest.fixture(autouse=True)

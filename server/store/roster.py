@@ -6,16 +6,13 @@ The file is one JSON object, `{"/id_service_client_<robot's name>": ID}` with ID
 import json
 import logging
 import os
-import re
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from server.robot import IDS
+from laser_bot_battle.names import ROBOT_IDS, robot_name
 
 _log = logging.getLogger(__name__)
-
-_CALLER = "/id_service_client_"  # what a robot's ROS name begins with, as robot/settings.py makes it
 
 
 class Roster:
@@ -24,7 +21,7 @@ class Roster:
     def __init__(self, folder: Path, fixed: Mapping[str, int] | None = None) -> None:
         self.path = folder / "robots.json"
         self._fixed = dict(fixed or {})
-        self._doubted: set[str] = set()
+        self._warned_of: set[str] = set()
 
     def load(self) -> dict[str, int]:
         """The IDs by the robots' ROS names. A broken file is kept beside as robots.json.broken."""
@@ -69,14 +66,14 @@ class Roster:
             if temporary:
                 Path(temporary).unlink(missing_ok=True)
 
-    def doubt(self, caller: str) -> None:
+    def warn_of_lookalike(self, caller: str) -> None:
         """Warn, once, of a robot that seems to be a fixed one under its default name: host name, `_`, MAC address."""
-        if caller in self._fixed or caller in self._doubted:
+        if caller in self._fixed or caller in self._warned_of:
             return
         meant = max((name for name in self._fixed if caller.startswith(f"{name}_")), key=len, default=None)
         if meant:
-            self._doubted.add(caller)
-            name, fixed = caller.removeprefix(_CALLER), meant.removeprefix(_CALLER)
+            self._warned_of.add(caller)
+            name, fixed = robot_name(caller), robot_name(meant)
             _log.warning(
                 "robot %s is not the %s of LASERBOT_ROSTER; if it should be, set LASERBOT_ROBOT_NAME=%s on it",
                 name,
@@ -85,25 +82,11 @@ class Roster:
             )
 
 
-def parse_fixed(text: str) -> dict[str, int]:
-    """The IDs by the robots' ROS names, from `name=ID` words between spaces or commas. ValueError: what is wrong."""
-    fixed: dict[str, int] = {}
-    for word in re.split(r"[\s,]+", text.strip()) if text.strip() else []:
-        name, _, number = word.rpartition("=")
-        if not name or not re.fullmatch(r"[0-9]{1,3}", number) or int(number) not in IDS:
-            raise ValueError(f"{word!r} is not name=ID with an ID from 0 to 127")
-        caller = _CALLER + re.sub(r"[^A-Za-z0-9_]", "_", name)
-        if caller in fixed or int(number) in fixed.values():
-            raise ValueError(f"{word!r} has a name or an ID twice")
-        fixed[caller] = int(number)
-    return fixed
-
-
 def _parse(text: str) -> dict[str, int]:
     content = json.loads(text)
     if not isinstance(content, dict):
         raise ValueError("not a JSON object")
     for name, robot_id in content.items():
-        if type(robot_id) is not int or robot_id not in IDS:
+        if type(robot_id) is not int or robot_id not in ROBOT_IDS:
             raise ValueError(f"{name!r} has the ID {robot_id!r}, not a whole number from 0 to 127")
     return content

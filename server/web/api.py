@@ -4,7 +4,6 @@ Answers are JSON text with sorted keys, served as `text/html; charset=utf-8` as 
 Bad input gets `{"error": why, "status": ...}` with 400, a foreign user's name 403; neither changes anything.
 """
 
-import hashlib
 import logging
 import math
 import re
@@ -14,12 +13,11 @@ from typing import Any, NoReturn
 from flask import Blueprint, Response, abort, make_response, request
 from jinja2.utils import htmlsafe_json_dumps
 
-from server.battle import Battle
-from server.referee import Verdict
-from server.snapshot import Game, Snapshot
-from server.users import AVATARS, is_valid_name
-
-COOKIE = "laserbot_session"
+from laser_bot_battle.names import SESSION_COOKIE, session_digest
+from server.game.loop import GameLoop
+from server.game.referee import Verdict
+from server.game.snapshot import Game, Snapshot
+from server.game.users import AVATARS, is_valid_name
 
 _log = logging.getLogger(__name__)
 
@@ -27,7 +25,7 @@ _ROBOT_ID = re.compile(r"-?[0-9]{1,9}")
 _READY = {"0": False, "1": True}
 
 
-def create_api(battle: Battle) -> Blueprint:
+def create_api(game: GameLoop) -> Blueprint:
     """The routes, as a Flask blueprint named `api`."""
     api = Blueprint("api", __name__)
 
@@ -42,7 +40,7 @@ def create_api(battle: Battle) -> Blueprint:
         wish = request.form.get("robot")
         wanted = None if wish is None else _robot_id(wish, "robot")
         token = secrets.token_urlsafe(32)
-        verdict, player = battle.sign_up(name, _digest(token), int(avatar), cookie_session(), wanted)
+        verdict, player = game.sign_up(name, session_digest(token), int(avatar), cookie_session(), wanted)
         if verdict is Verdict.NAME_TAKEN:
             _log.info("the name %s is taken: %s has to choose another", name, request.remote_addr)
         if verdict is Verdict.ROBOT_UNAVAILABLE:
@@ -50,30 +48,30 @@ def create_api(battle: Battle) -> Blueprint:
         if player is None:
             return reply(status="UNAVAILABLE" if verdict is Verdict.NAME_TAKEN else "NO_ROBOTS", user=name)
         response = reply(status="OK", user=name, robot=player.robot)
-        if player.session == _digest(token):  # else the page has its cookie already
-            response.set_cookie(COOKIE, token, httponly=True, samesite="Lax", path="/")
+        if player.session == session_digest(token):  # else the page has its cookie already
+            response.set_cookie(SESSION_COOKIE, token, httponly=True, samesite="Lax", path="/")
         return response
 
     @api.post("/signOutUser")
     def sign_out_user() -> Response:
         name = _field("data")
-        verdict = battle.sign_out(name, cookie_session() or "")
+        verdict = game.sign_out(name, cookie_session() or "")
         if verdict is Verdict.UNKNOWN_USER:
             return reply(status="UNREGISTERED", user=name)
         if verdict is Verdict.NOT_YOURS:
             _refuse(403, "only that user can sign out", status="FAILED", user=name)
         response = reply(status="OK", user=name)
-        response.delete_cookie(COOKIE, path="/", httponly=True, samesite="Lax")
+        response.delete_cookie(SESSION_COOKIE, path="/", httponly=True, samesite="Lax")
         return response
 
     @api.post("/playerReady")
     def player_ready() -> Response:
         name, ready = _field("user"), _READY.get(_field("ready"))
-        if battle.snapshot().game is Game.PLAYING:
+        if game.snapshot().game is Game.PLAYING:
             return reply(status="STARTED")
         if ready is None:
             _refuse(400, "ready must be 0 or 1", user=name)
-        verdict = battle.set_ready(name, ready, cookie_session() or "")
+        verdict = game.set_ready(name, ready, cookie_session() or "")
         if verdict is Verdict.STARTED:
             return reply(status="STARTED")
         if verdict is Verdict.UNKNOWN_USER:
@@ -84,20 +82,20 @@ def create_api(battle: Battle) -> Blueprint:
 
     @api.post("/updateGameStatus")
     def update_game_status() -> Response:
-        return reply(status="OK", **_game_status(battle.snapshot()))
+        return reply(status="OK", **_game_status(game.snapshot()))
 
     @api.post("/getAvailableRobots")
     def get_available_robots() -> Response:
-        return reply(status="OK", availableR=battle.snapshot().available_robots)
+        return reply(status="OK", availableR=game.snapshot().available_robots)
 
     @api.post("/incAlive")
     def inc_alive() -> Response:
         robot_id = _robot_id(_field("ID"), "ID")
-        return reply(status="OK" if battle.robot_alive(robot_id) else "ERROR")
+        return reply(status="OK" if game.robot_alive(robot_id) else "ERROR")
 
     @api.get("/session")
     def session() -> Response:
-        player = battle.seen(cookie_session() or "")
+        player = game.seen(cookie_session() or "")
         if player is None:
             return reply(status="UNREGISTERED")
         return reply(status="OK", user=player.name, robot=player.robot)
@@ -119,12 +117,8 @@ def reply(http_status: int = 200, **content: Any) -> Response:
 
 def cookie_session() -> str | None:
     """The SHA-256 (hex) of the session token that the request brings, None without one."""
-    token = request.cookies.get(COOKIE)
-    return _digest(token) if token else None
-
-
-def _digest(token: str) -> str:
-    return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
+    token = request.cookies.get(SESSION_COOKIE)
+    return session_digest(token) if token else None
 
 
 def _field(name: str) -> str:

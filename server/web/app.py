@@ -3,9 +3,9 @@
 from flask import Flask, Response, abort, make_response, render_template, request
 from werkzeug.exceptions import HTTPException, MethodNotAllowed, NotFound
 
-from server.api import cookie_session, create_api, reply
-from server.battle import Battle
+from server.game.loop import GameLoop
 from server.settings import Settings
+from server.web.api import cookie_session, create_api, reply
 
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
 
@@ -16,11 +16,11 @@ _PAGE_POLICY = (
 )
 
 
-def create_app(battle: Battle, settings: Settings) -> Flask:
-    """The WSGI application that serves `battle`."""
-    app = Flask(__name__)
+def create_app(game: GameLoop, settings: Settings) -> Flask:
+    """The WSGI application that serves `game`."""
+    app = Flask(__name__, static_folder="../static")
     page_policy = _PAGE_POLICY + (f"; frame-src *:{settings.view_port}" if settings.view_port else "")
-    api = create_api(battle)
+    api = create_api(game)
     app.register_blueprint(api)
 
     @app.get("/")
@@ -56,7 +56,7 @@ def create_app(battle: Battle, settings: Settings) -> Flask:
     def note_sign_of_life() -> None:
         session = cookie_session()
         if session is not None:
-            battle.seen(session)
+            game.seen(session)
 
     @app.after_request
     def set_headers(response: Response) -> Response:
