@@ -13,7 +13,7 @@ from tests.support.programs import ROOT
 DOCUMENTS = [path for path in [*ROOT.glob("*.md"), *ROOT.glob("*/*.md")] if not path.is_relative_to(ROOT / "build")]
 COMMAND = re.compile(r"(?:[A-Z_]+=\S+ )?(?:make|docker|(?:\.\./)?ci/\w+|kubectl)\b.*|ansible-\w+ .+")
 
-INVENTORY = "tests/unit/test_ansible_readme.py::test_its_steps_make_an_inventory"
+INVENTORY = "tests/repository/test_ansible_readme.py::test_its_steps_make_an_inventory"
 
 # Who runs each command of these documents: a test, or a workflow or script with the words.
 RUN_BY = {
@@ -28,7 +28,7 @@ RUN_BY = {
         "make test": ".ci/run::exec make test",
         "make lint": ".github/workflows/ci.yml::run: make lint",
         "make bench": ".github/workflows/ci.yml::run: make bench",
-        "make": "tests/unit/test_documents.py::test_make_alone_lists_the_targets",
+        "make": "tests/repository/test_documents.py::test_make_alone_lists_the_targets",
     },
     "docs/images.md": {
         "make images": "tests/images/test_contents.py::test_each_image_has_a_list_of_its_contents",
