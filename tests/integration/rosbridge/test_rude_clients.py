@@ -73,17 +73,17 @@ def test_the_log_is_not_flooded(rosbridge: Rosbridge, client: Connect) -> None:
 def test_a_silent_line_stops_the_robot_and_is_closed(rosbridge: Rosbridge, ros: RosSide) -> None:
     """Half-open: the browser's machine has lost its network, no FIN ever comes."""
     ros.listen("/Robot4/command")
-    with MuteClient(rosbridge.port, "token of di") as di:
+    with MuteClient(rosbridge.port, "token-of-di") as di:
 
         def arrives() -> bool:
-            ros.status(2, player("di", "token of di", 4))
+            ros.status(2, player("di", "token-of-di", 4))
             di.say("publish", topic="/Robot4/command", msg=FORWARD)
             return FORWARD in ros.heard("/Robot4/command")
 
         until(arrives)
 
         def stopped() -> bool:
-            ros.status(2, player("di", "token of di", 4))
+            ros.status(2, player("di", "token-of-di", 4))
             return ros.heard("/Robot4/command")[-1] == NEUTRAL
 
         until(stopped, 12, "a neutral command, and with it the end of the line")
