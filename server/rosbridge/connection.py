@@ -28,6 +28,7 @@ class Connection:
         self._outbox = Outbox()
         self._filled = asyncio.Event()
         self._sending_since: float | None = None
+        self._given_up = False
         self._socket = websocket.transport.get_extra_info("socket")
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
 
@@ -72,6 +73,9 @@ class Connection:
             self._give_up("it does not read what it has asked for")
 
     def _give_up(self, reason: str) -> None:
+        if self._given_up:  # messages still come until the end of the socket has reached the bridge
+            return
+        self._given_up = True
         _log.warning("%s: given up, %s", self.name, reason)
         # reset the connection: the kernel shall not go on with what it still holds for this client
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))

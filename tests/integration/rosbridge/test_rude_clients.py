@@ -1,13 +1,17 @@
 """Clients that send nonsense, too much, or do not read: they cost the others nothing."""
 
+import asyncio
 import json
 import socket
 import time
 from collections.abc import Callable
 
 import pytest
+from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
+from server.rosbridge.connection import Connection
+from server.rosbridge.outbox import MAX_BYTES
 from tests.integration.rosbridge.conftest import Rosbridge
 from tests.integration.rosbridge.ends import FORWARD, NEUTRAL, Client, RosSide, player
 from tests.integration.rosbridge.mute import MuteClient
@@ -128,6 +132,29 @@ def test_a_client_that_asks_and_does_not_read_is_given_up(rosbridge: Rosbridge) 
             return mute.given_up
 
         until(given_up, 15, "the end of the client that does not read")
+
+
+def test_messages_for_a_client_that_was_given_up_are_dropped(caplog: pytest.LogCaptureFixture) -> None:
+    closed = asyncio.Event()
+
+    async def fill(websocket: ServerConnection) -> None:
+        connection = Connection(websocket)
+        for _ in range(4):
+            connection.message("/fat", "x" * MAX_BYTES, 10)
+        await websocket.wait_closed()
+        connection.message("/fat", "late", 10)
+        closed.set()
+
+    async def give_up() -> None:
+        async with asyncio.timeout(10), serve(fill, "127.0.0.1", 0) as server:
+            (_, port) = server.sockets[0].getsockname()
+            with await asyncio.to_thread(MuteClient, port):
+                await closed.wait()
+
+    asyncio.run(give_up())
+    assert [record.message.partition(": ")[2] for record in caplog.records if "given up" in record.message] == [
+        "given up, it does not read what it has asked for"
+    ]
 
 
 def resident(rosbridge: Rosbridge) -> int:
