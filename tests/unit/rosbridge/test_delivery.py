@@ -2,10 +2,7 @@
 
 import json
 
-import pytest
-
 from server.rosbridge.outbox import MAX_BYTES, MAX_REPLIES, Outbox
-from server.rosbridge.settings import Settings, SettingsError
 from server.rosbridge.subscription import Subscription
 
 
@@ -94,20 +91,3 @@ def test_too_many_replies_or_bytes_fill_it() -> None:
     assert not outbox.is_full
     outbox.message("/a", "x" * MAX_BYTES, 1)
     assert outbox.is_full
-
-
-def test_settings_have_defaults() -> None:
-    assert Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": ""}) == Settings()
-    assert Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": "1", "LASERBOT_OPERATOR_TOKEN": "x"}) == Settings(
-        port=1, operator_token="x"
-    )
-
-
-@pytest.mark.parametrize(
-    "variable",
-    [("LASERBOT_ROSBRIDGE_PORT", "0"), ("LASERBOT_ROSBRIDGE_PORT", "65536"), ("LASERBOT_ROSBRIDGE_PORT", "-1"),
-     ("LASERBOT_ROSBRIDGE_PORT", "9 0"), ("LASERBOT_ROSBRIDGE_PORT", "²"), ("LASERBOT_LOG_LEVEL", "loud")],
-)  # fmt: skip
-def test_an_impossible_setting_is_named(variable: tuple[str, str]) -> None:
-    with pytest.raises(SettingsError, match="=".join(variable)):
-        Settings.from_env(dict([variable]))
