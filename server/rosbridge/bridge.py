@@ -5,6 +5,7 @@ import logging
 from collections.abc import Sequence
 from typing import Any
 
+from laser_bot_battle.names import GAME_STATUS
 from server.rosbridge.connection import Connection
 from server.rosbridge.conversion import MessageType, Types
 from server.rosbridge.drivers import Drivers
@@ -20,7 +21,7 @@ from server.rosbridge.effects import (
     Replay,
     Send,
 )
-from server.rosbridge.gate import STATUS_TOPIC, STATUS_TYPE, Gate, Identity
+from server.rosbridge.gate import STATUS_TYPE, Gate, Identity
 from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
@@ -30,7 +31,7 @@ from server.rosbridge.wire import RequestError, dumps
 
 _log = logging.getLogger(__name__)
 
-# How often rights are judged again though no news came, and slow clients are looked at.
+# How often rights are checked again though no news came, and slow clients are looked at.
 TICK = 0.5  # s
 GATE = "gate"  # takes part in the graph of topics as if it were a client
 
@@ -47,8 +48,8 @@ class Bridge:
         self._calls: set[asyncio.Task[None]] = set()
         self._ros = Ros(self._loop, self._deliver)
         self._services = ServiceClient(self._ros.registrar, self._types, f"/{node}")
-        subscription = Subscription(GATE, STATUS_TOPIC)
-        self._perform(None, self._graph.subscribe(STATUS_TOPIC, self._types.message(STATUS_TYPE), subscription))
+        subscription = Subscription(GATE, GAME_STATUS)
+        self._perform(None, self._graph.subscribe(GAME_STATUS, self._types.message(STATUS_TYPE), subscription))
         self._loop.call_later(TICK, self._tick)
 
     def connected(self, connection: Connection, identity: Identity) -> Client:
@@ -121,7 +122,7 @@ class Bridge:
 
     def _deliver(self, topic: str, message_type: MessageType, message: Any) -> None:
         """A message from ROS. It becomes JSON once, however many clients get it."""
-        if topic == STATUS_TOPIC:
+        if topic == GAME_STATUS:
             self._gate.update(message, self._loop.time())
             self._check_rights()
         body = ""

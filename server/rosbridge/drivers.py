@@ -1,17 +1,13 @@
 """Robots that somebody keeps moving, so that they are stopped when that somebody may no longer drive, or is gone."""
 
-import re
 from collections.abc import Hashable
 
 from laser_bot_battle.msg import Robot_msg
+from laser_bot_battle.names import ROBOT_IDS, command_topic
 from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Gate, Identity
 
-COMMANDS = re.compile(r"/Robot\d+/command", re.ASCII)
-
-
-def is_command_topic(topic: str) -> bool:
-    return COMMANDS.fullmatch(topic) is not None
+COMMAND_TOPICS = frozenset(map(command_topic, ROBOT_IDS))
 
 
 class Drivers:
@@ -23,7 +19,7 @@ class Drivers:
 
     def commanded(self, client: Hashable, who: Identity, topic: str, command: Robot_msg) -> None:
         """`client` has published `command` on `topic`."""
-        if not is_command_topic(topic):
+        if topic not in COMMAND_TOPICS:
             return
         if command.linear_x or command.angular_z or command.shoot:
             self._moving[topic] = (client, who)

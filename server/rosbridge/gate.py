@@ -4,14 +4,13 @@ The gate knows the battle only from /game_status, and players by the digest of t
 Every rule answers with the reason for a refusal, or with an empty string for permission.
 """
 
-import hashlib
 import hmac
 from typing import NamedTuple
 
 from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
+from laser_bot_battle.names import GAME_STATUS, command_topic, session_digest
 
 COMMAND_TYPE = Robot_msg._type
-STATUS_TOPIC = "/game_status"
 STATUS_TYPE = GameStatus._type
 # The referee speaks at least every 0.5 s. When it is silent for so long it is gone, and with it every right to drive.
 REFEREE_SILENCE = 3.0  # s
@@ -30,11 +29,7 @@ OPERATOR = Identity(operator=True)
 
 def session_identity(token: str) -> Identity:
     """Whoever holds this session token; that it belongs to a player is for /game_status to say."""
-    return Identity(session=hashlib.sha256(token.encode(errors="replace")).hexdigest())
-
-
-def command_topic(robot: int) -> str:
-    return f"/Robot{robot}/command"
+    return Identity(session=session_digest(token))
 
 
 class Gate:
@@ -88,8 +83,8 @@ class Gate:
     def refuses_subscribing(self, who: Identity, topic: str, type_name: str) -> str:
         if who.operator:
             return ""
-        if topic != STATUS_TOPIC:
-            return f"only operators may subscribe to {topic}; players and guests to {STATUS_TOPIC}"
+        if topic != GAME_STATUS:
+            return f"only operators may subscribe to {topic}; players and guests to {GAME_STATUS}"
         if type_name not in ("", STATUS_TYPE):
             return f"{topic} is of type {STATUS_TYPE}, not {type_name}"
         return ""

@@ -4,9 +4,8 @@ from urllib.parse import urlsplit
 
 from werkzeug.sansio.http import parse_cookie
 
+from laser_bot_battle.names import SESSION_COOKIE
 from server.rosbridge.gate import GUEST, Identity, session_identity
-
-COOKIE = "laserbot_session"
 
 
 def identity_of(origin: str | None, host: str | None, cookies: list[str]) -> Identity:
@@ -17,7 +16,7 @@ def identity_of(origin: str | None, host: str | None, cookies: list[str]) -> Ide
     """
     if origin is not None and host_name(origin) != host_name(f"//{host}"):
         return GUEST
-    token = parse_cookie(";".join(cookies)).get(COOKIE)  # of two the first, which has the longer path
+    token = parse_cookie(";".join(cookies)).get(SESSION_COOKIE)  # of two the first, which has the longer path
     return session_identity(token) if token else GUEST
 
 

@@ -17,7 +17,7 @@ import rospy
 
 from server.rosbridge.command_publisher import command_publisher
 from server.rosbridge.conversion import MessageType
-from server.rosbridge.drivers import is_command_topic
+from server.rosbridge.drivers import COMMAND_TOPICS
 
 T = TypeVar("T")
 _log = logging.getLogger(__name__)
@@ -100,7 +100,7 @@ class TopicPublisher:
 
     def _open(self) -> None:
         """In the registrar's thread."""
-        if is_command_topic(self._topic):
+        if self._topic in COMMAND_TOPICS:
             self._registered = command_publisher(self._topic, self.message_class)
         else:
             self._registered = rospy.Publisher(

@@ -7,13 +7,14 @@ from typing import Any
 import pytest
 from flask.testing import FlaskClient
 
+from laser_bot_battle.names import GAME_STATUS
 from server.game.loop import GameLoop
 from server.game.referee import Referee, Rules
 from server.ros.status import to_message
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Publish, Send
-from server.rosbridge.gate import GUEST, STATUS_TOPIC, STATUS_TYPE, Gate, session_identity
+from server.rosbridge.gate import GUEST, STATUS_TYPE, Gate, session_identity
 from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Client
 from server.rosbridge.wire import dumps
@@ -73,7 +74,7 @@ class Story:
         """What that person gets when the referee speaks."""
         message = self.types.message(STATUS_TYPE).encode(to_message(self.battle.snapshot()))
         client = self.client(who)
-        (subscription,) = [one for one in self.graph.subscriptions(STATUS_TOPIC) if one.client is client]
+        (subscription,) = [one for one in self.graph.subscriptions(GAME_STATUS) if one.client is client]
         text = subscription.offer(dumps(message), self.now)
         assert text is not None
         return [f"{who} <- " + re.sub('"[0-9a-f]{64}"', '"…"', text)]

@@ -6,7 +6,7 @@ from typing import NamedTuple
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import SIGN_UP_GRACE, Context
 from server.rosbridge.conversion import MessageType
-from server.rosbridge.drivers import is_command_topic
+from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import Effect, Publish
 from server.rosbridge.gate import COMMAND_TYPE
 from server.rosbridge.wire import Id, Request, RequestError
@@ -107,7 +107,7 @@ class Publishing(Capability):
         known = self.client.graph.type_of(topic)
         if known is not None:
             return known
-        if is_command_topic(topic):
+        if topic in COMMAND_TOPICS:
             return self.client.types.message(COMMAND_TYPE)
         raise RequestError(f"{topic} must be advertised first, so that its type is known")
 

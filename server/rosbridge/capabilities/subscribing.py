@@ -2,10 +2,11 @@
 
 from collections.abc import Mapping
 
+from laser_bot_battle.names import GAME_STATUS
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import Context
 from server.rosbridge.effects import Effect
-from server.rosbridge.gate import STATUS_TOPIC, STATUS_TYPE
+from server.rosbridge.gate import STATUS_TYPE
 from server.rosbridge.subscription import Subscription
 from server.rosbridge.wire import Request, RequestError, brief
 
@@ -59,7 +60,7 @@ class Subscribing(Capability):
         if len(self._subscriptions) >= MAX_TOPICS:
             raise RequestError(f"a client may subscribe to {MAX_TOPICS} topics")
         message_type = self.client.graph.type_of(topic)
-        if type_name or topic == STATUS_TOPIC:
+        if type_name or topic == GAME_STATUS:
             message_type = self.client.types.message(type_name or STATUS_TYPE)
         if message_type is None:
             raise RequestError(f"the type of {topic} is not known; give it in the field 'type'")
