@@ -8,7 +8,7 @@ const SILENCE = 4000; // ms; the state is published every 500 ms, so such a conn
 const BACKLOG = 1024; // bytes not yet on the wire: about five commands, 125 ms
 
 /** Subscribes to /game_status and publishes commands. */
-export class Link {
+export class Connection {
   #url;
   #onStatus;
   #onChange;
@@ -46,7 +46,7 @@ export class Link {
   }
 
   /**
-   * Send a Robot_msg to a robot now, or drop it: while the link is down, and, unless it says stop, while the network is
+   * Send a Robot_msg to a robot now, or drop it: while it is down, and, unless it says stop, while the network is
    * slower than the player.
    * @returns {boolean} whether it was sent
    */

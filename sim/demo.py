@@ -1,17 +1,18 @@
 """A whole battle on one machine: starts it, waits until all are ready, says where to play, stops it on Ctrl-C.
 
-roslaunch is the process manager of the battle (laser_bot_battle/launch/demo.launch); this program looks after what
-roslaunch does not: ports in use, being ready, plain words for people, and that nothing is left behind.
+roslaunch runs the parts of the battle (sim/launch/demo.launch). This program looks after what roslaunch does not: the
+ROS master (roslaunch would end with one that it started), ports in use, being ready, plain words for people, and that
+nothing is left behind.
 """
 
 import argparse
+import contextlib
 import ctypes
 import http.client
 import json
 import os
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -19,25 +20,17 @@ from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
 
-from laser_bot_battle.settings import SettingsError
-from server.settings import Settings
+from laser_bot_battle.settings import Variable, describe, read_or_exit
+from laser_bot_battle.variables import ARENA, BIND, DATA, ROS, ROSBRIDGE, ROSTER, WEB
+from sim.arena.world import MAX_ROBOTS
+from sim.demo_settings import HOST, VARIABLES, Settings
 
 ROOT = Path(__file__).resolve().parent.parent
-HOST = "127.0.0.1"
 READY_WITHIN = 90.0  # s; a slow machine needs 20
 STOP_WITHIN = 20.0  # s; roslaunch itself gives its nodes 15 s before it gets rough
-MOST_ROBOTS = 8  # start places on the arena's floor
 
 PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
-
-PORTS = {
-    "LASERBOT_WEB_PORT": (5000, "the game"),
-    "LASERBOT_ROSBRIDGE_PORT": (9090, "rosbridge"),
-    "LASERBOT_ROS_PORT": (11311, "the ROS master"),
-    "LASERBOT_ARENA_PORT": (8080, "the arena's view"),
-    "LASERBOT_ARENA_LINK_PORT": (8081, "the robots' link to the arena"),
-}
 
 
 class DemoError(Exception):
@@ -46,38 +39,6 @@ class DemoError(Exception):
 
 class Interrupted(Exception):  # noqa: N818 - not an error
     """The user wants to stop (Ctrl-C, SIGTERM, closed terminal)."""
-
-
-def read_bind() -> str:
-    """The address to listen at. The parts of the demo meet on the loopback interface, so it must be among them."""
-    bind = os.environ.get("LASERBOT_BIND") or HOST
-    if bind not in (HOST, "0.0.0.0"):
-        raise DemoError(f"LASERBOT_BIND={bind}: choose {HOST} (this machine only) or 0.0.0.0 (the network too).")
-    return bind
-
-
-def read_ports(bind: str) -> dict[str, int]:
-    """The port of each part by its variable. Raises DemoError on a bad, doubled or used one."""
-    ports: dict[str, int] = {}
-    for variable, (default, what) in PORTS.items():
-        text = os.environ.get(variable) or str(default)
-        if not (text.isascii() and text.isdigit() and 0 < int(text) < 65536):
-            raise DemoError(f"{variable}={text!r} is no port number. Choose one from 1 to 65535.")
-        port = int(text)
-        for other, taken in ports.items():
-            if port == taken:
-                raise DemoError(f"{other} and {variable} are both {port}. Choose two ports.")
-        ports[variable] = port
-        with socket.socket() as probe:
-            probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            try:
-                probe.bind((bind, port))
-            except OSError as error:
-                raise DemoError(
-                    f"port {port} ({what}) cannot be used: {error.strerror}. "
-                    f"Stop the program that uses it, or choose another port: {variable}={port + 1} make demo"
-                ) from None
-    return ports
 
 
 def request(port: int, method: str, path: str, timeout: float = 1.0) -> tuple[int, str] | None:
@@ -93,49 +54,48 @@ def request(port: int, method: str, path: str, timeout: float = 1.0) -> tuple[in
         connection.close()
 
 
-class Battle:
-    """The running demo: roslaunch and all that it started."""
+class Demo:
+    """The running demo: the ROS master, roslaunch and all that it started."""
 
-    def __init__(self, robots: int, bots: int, bind: str, ports: dict[str, int], folder: Path) -> None:
-        """`folder` is empty. DemoError for a setting that the server would refuse."""
-        self.robots, self.bots, self.ports = robots, bots, ports
+    def __init__(self, robots: int, bots: int, settings: Settings, folder: Path) -> None:
+        """`folder` is empty."""
+        self.robots, self.bots, self.ports = robots, bots, settings.ports
         for number in range(robots):
             (folder / f"virtual{number}").mkdir()
-        environment = {
+        self.environment = {
             **os.environ,
-            "LASERBOT_BIND": bind,
-            **{variable: str(port) for variable, port in ports.items()},
-            "LASERBOT_DATA": str(folder / "data"),
+            BIND.name: settings.bind,
+            **{variable: str(port) for variable, port in settings.ports.items()},
+            DATA.name: str(folder / "data"),
             # the number painted on each virtual robot is its ID
-            "LASERBOT_ROSTER": " ".join(f"virtual{number}={number}" for number in range(robots)),
+            ROSTER.name: " ".join(f"virtual{number}={number}" for number in range(robots)),
             "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ.get('PATH', os.defpath)}",
             "ROS_PACKAGE_PATH": str(ROOT),
             "ROS_IP": HOST,
-            "ROS_MASTER_URI": f"http://{HOST}:{ports['LASERBOT_ROS_PORT']}",
+            "ROS_MASTER_URI": f"http://{HOST}:{settings.ports[ROS.name]}",
             "ROS_HOME": str(folder / "ros"),
             "ROS_LOG_DIR": str(folder / "ros" / "log"),
             "PYTHONUNBUFFERED": "1",
         }
-        environment.pop("ROS_HOSTNAME", None)
-        try:
-            Settings.from_env(environment)
-        except SettingsError as error:
-            raise DemoError(str(error)) from None
+        self.environment.pop("ROS_HOSTNAME", None)
         self.log = folder / "log"
-        with self.log.open("wb") as log:
-            self.roslaunch = subprocess.Popen(
-                [
-                    "/usr/bin/python3",
-                    "/usr/bin/roslaunch",
-                    "--port",
-                    str(ports["LASERBOT_ROS_PORT"]),
-                    "laser_bot_battle",
-                    "demo.launch",
-                    f"robots:={robots}",
-                    f"bots:={bots}",
-                    f"run_dir:={folder}",
-                ],
-                env=environment,
+        self.master = self.start_master()
+        self.roslaunch = self.start(
+            "roslaunch",
+            "--wait",  # for the master
+            "--run_id=demo",  # else it waits for another roslaunch to name the run
+            str(ROOT / "sim" / "launch" / "demo.launch"),
+            f"robots:={robots}",
+            f"bots:={bots}",
+            f"run_dir:={folder}",
+        )
+
+    def start(self, program: str, *arguments: str) -> subprocess.Popen[bytes]:
+        """A program of ROS, which writes into our log."""
+        with self.log.open("ab") as log:
+            return subprocess.Popen(
+                ["/usr/bin/python3", f"/usr/bin/{program}", *arguments],
+                env=self.environment,
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -144,34 +104,40 @@ class Battle:
                 preexec_fn=die_with_parent,  # noqa: PLW1509 - this program has one thread
             )
 
-    def check_running(self) -> None:
+    def start_master(self) -> subprocess.Popen[bytes]:
+        return self.start("rosmaster", "--core", "-p", str(self.ports[ROS.name]))
+
+    def supervise(self) -> None:
+        """Start the master again if it has ended; the nodes find it. Raises DemoError when roslaunch has ended."""
         if self.roslaunch.poll() is not None:
             tail = self.log.read_text(errors="replace").splitlines()[-15:]
             raise DemoError("\n  ".join([f"the battle ended by itself. The end of {self.log}:", *tail]))
+        if self.master.poll() is not None:
+            self.master = self.start_master()
 
     def steps(self) -> dict[str, Callable[[], bool]]:
         """What must be there before anyone can play, in the order in which it comes up, each with its question."""
         steps: dict[str, Callable[[], bool]] = {
-            "web server": lambda: self.answers("LASERBOT_WEB_PORT", 200),
-            "rosbridge": lambda: self.answers("LASERBOT_ROSBRIDGE_PORT", 426),  # to plain HTTP: Upgrade Required
-            "arena": lambda: self.answers("LASERBOT_ARENA_PORT", 200),
+            "web server": lambda: self.answers(WEB, 200),
+            "rosbridge": lambda: self.answers(ROSBRIDGE, 426),  # to plain HTTP: Upgrade Required
+            "arena": lambda: self.answers(ARENA, 200),
             counted(self.robots, "virtual robot"): lambda: self.registered_robots() >= self.robots,
         }
         if self.bots:
             steps[counted(self.bots, "bot")] = lambda: self.players() >= self.bots
         return steps
 
-    def answers(self, port: str, status: int) -> bool:
-        answer = request(self.ports[port], "GET", "/")
+    def answers(self, port: Variable[int], status: int) -> bool:
+        answer = request(self.ports[port.name], "GET", "/")
         return answer is not None and answer[0] == status
 
     def players(self) -> int:
         """People and bots that are signed in."""
-        answer = request(self.ports["LASERBOT_WEB_PORT"], "POST", "/updateGameStatus")
+        answer = request(self.ports[WEB.name], "POST", "/updateGameStatus")
         return len(json.loads(json.loads(answer[1])["users"])) if answer else 0
 
     def registered_robots(self) -> int:
-        answer = request(self.ports["LASERBOT_WEB_PORT"], "POST", "/getAvailableRobots")
+        answer = request(self.ports[WEB.name], "POST", "/getAvailableRobots")
         return self.players() + (int(json.loads(answer[1])["availableR"]) if answer else 0)
 
     def wait_until_ready(self) -> None:
@@ -179,7 +145,7 @@ class Battle:
         deadline = time.monotonic() + READY_WITHIN
         missing = self.steps()
         while missing:
-            self.check_running()
+            self.supervise()
             for step in [step for step, is_up in missing.items() if is_up()]:
                 say(f"  ready: {step}")
                 del missing[step]
@@ -190,14 +156,16 @@ class Battle:
     def wait(self) -> None:
         """Until the battle ends by itself, which it should not."""
         while True:
-            self.check_running()
+            self.supervise()
             time.sleep(0.5)
 
     def stop(self) -> None:
-        """End roslaunch and its nodes, and make sure that no process is left."""
-        if self.roslaunch.poll() is None:
-            self.roslaunch.send_signal(signal.SIGINT)
+        """End roslaunch with its nodes, then the master, and make sure that no process is left."""
         deadline = time.monotonic() + STOP_WITHIN
+        self.roslaunch.send_signal(signal.SIGINT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.roslaunch.wait(STOP_WITHIN)
+        self.master.send_signal(signal.SIGINT)
         while children() and time.monotonic() < deadline:
             reap()
             time.sleep(0.02)
@@ -253,8 +221,8 @@ def who_can_play(people: int) -> str:
 
 
 def count(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) <= MOST_ROBOTS):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to {MOST_ROBOTS}")
+    if not (text.isascii() and text.isdigit() and int(text) <= MAX_ROBOTS):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to {MAX_ROBOTS}")
     return int(text)
 
 
@@ -263,7 +231,12 @@ def on_signal(signum: int, frame: FrameType | None) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description="A whole battle on this machine, until Ctrl-C.")
+    parser = argparse.ArgumentParser(
+        "ci/demo",
+        description="A whole battle on this machine, until Ctrl-C.",
+        epilog=describe(*VARIABLES),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("--robots", type=count, default=2, help="virtual robots, each the real firmware (default 2)")
     parser.add_argument("--bots", type=count, default=1, help="robots that a program plays (default 1)")
     options = parser.parse_args()
@@ -271,25 +244,24 @@ def main() -> int:
         parser.error(
             f"{counted(options.bots, 'bot')} cannot play with {counted(options.robots, 'robot')}: start more robots"
         )
+    settings = read_or_exit("make demo", Settings.from_env)
     for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(signum, on_signal)
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
-    battle = None
+    demo = None
     try:
-        bind = read_bind()
-        ports = read_ports(bind)
-        folder = empty_folder(ports["LASERBOT_WEB_PORT"])
+        folder = empty_folder(settings.ports[WEB.name])
         say(f"Starting the battle: {counted(options.robots, 'virtual robot')}, {counted(options.bots, 'bot')} ...")
-        battle = Battle(options.robots, options.bots, bind, ports, folder)
-        battle.wait_until_ready()
+        demo = Demo(options.robots, options.bots, settings, folder)
+        demo.wait_until_ready()
         say(
             f"\nReady. Open\n"
-            f"  http://localhost:{ports['LASERBOT_WEB_PORT']}   the game\n"
-            f"  http://localhost:{ports['LASERBOT_ARENA_PORT']}   the arena seen from above\n"
+            f"  http://localhost:{settings.ports[WEB.name]}   the game\n"
+            f"  http://localhost:{settings.ports[ARENA.name]}   the arena seen from above\n"
             f"{who_can_play(options.robots - options.bots)}\n"
-            f"Ctrl-C stops everything. What the parts say: {battle.log}"
+            f"Ctrl-C stops everything. What the parts say: {demo.log}"
         )
-        battle.wait()
+        demo.wait()
     except Interrupted:
         say("\nStopping ...")
     except DemoError as error:
@@ -298,8 +270,8 @@ def main() -> int:
     finally:
         for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             signal.signal(signum, signal.SIG_IGN)
-        if battle:
-            battle.stop()
+        if demo:
+            demo.stop()
     say("Stopped.")
     return 0
 

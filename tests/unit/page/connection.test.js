@@ -3,12 +3,12 @@ import { once } from "node:events";
 import { afterEach, beforeEach, test } from "node:test";
 import { WebSocketServer } from "ws";
 import { NEUTRAL } from "../../../server/static/js/keys.js";
-import { Link } from "../../../server/static/js/link.js";
+import { Connection } from "../../../server/static/js/connection.js";
 import { message } from "./samples.js";
 
 const FORWARD = { linear_x: 1, angular_z: 0, shoot: false };
 
-let server, port, heard, statuses, changes, link;
+let server, port, heard, statuses, changes, connection;
 
 /** A rosbridge that keeps what it hears and answers a subscription with one state. */
 async function listen() {
@@ -42,17 +42,17 @@ const operations = (op) => heard.filter((operation) => operation.op === op);
 beforeEach(async () => {
   [port, heard, statuses, changes] = [undefined, [], [], []];
   await listen();
-  link = new Link({
+  connection = new Connection({
     url: `ws://127.0.0.1:${port}`,
     onStatus: (status) => statuses.push(status),
     onChange: (up) => changes.push(up),
   });
-  link.start();
+  connection.start();
   await until(() => statuses.length > 0, "the state");
 });
 
 afterEach(async () => {
-  link.stop();
+  connection.stop();
   await close();
 });
 
@@ -65,8 +65,8 @@ test("the state of the battle arrives by subscription", () => {
 });
 
 test("commands go to the robot's topic, advertised once before", async () => {
-  assert.ok(link.publish(3, FORWARD));
-  assert.ok(link.publish(3, NEUTRAL));
+  assert.ok(connection.publish(3, FORWARD));
+  assert.ok(connection.publish(3, NEUTRAL));
   await until(() => operations("publish").length === 2, "two commands");
   assert.deepEqual(operations("advertise").map(({ topic, type }) => [topic, type]), [
     ["/Robot3/command", "laser_bot_battle/Robot_msg"],
@@ -78,24 +78,24 @@ test("commands go to the robot's topic, advertised once before", async () => {
 });
 
 test("the next battle advertises anew", async () => {
-  link.publish(3, FORWARD);
-  link.unadvertise();
-  link.publish(3, FORWARD);
+  connection.publish(3, FORWARD);
+  connection.unadvertise();
+  connection.publish(3, FORWARD);
   await until(() => operations("publish").length === 2, "two commands");
   assert.deepEqual(heard.map(({ op }) => op).slice(1), ["advertise", "publish", "unadvertise", "advertise", "publish"]);
 });
 
-test("a lost link comes back by itself, and what was commanded meanwhile is never played", async () => {
-  link.publish(3, FORWARD);
+test("a lost connection comes back by itself, and what was commanded meanwhile is never played", async () => {
+  connection.publish(3, FORWARD);
   await until(() => operations("publish").length === 1, "the first command");
   await close();
   await until(() => changes.length === 2, "the loss");
   assert.deepEqual(changes, [true, false]);
-  assert.equal(link.publish(3, FORWARD), false);
+  assert.equal(connection.publish(3, FORWARD), false);
   heard.length = 0;
   await listen();
-  await until(() => link.up, "the return");
-  assert.ok(link.publish(3, NEUTRAL));
+  await until(() => connection.up, "the return");
+  assert.ok(connection.publish(3, NEUTRAL));
   await until(() => operations("publish").length === 1, "a command");
   assert.deepEqual(operations("publish")[0].msg, NEUTRAL);
   assert.deepEqual(operations("advertise").length, 1);
@@ -109,16 +109,16 @@ test("a connection that has gone silent is replaced", async () => {
 
 test("while commands pile up in front of the network, further ones are dropped and only stops are sent", async () => {
   let sent = 0;
-  while (sent < 1000 && link.publish(3, FORWARD)) sent += 1; // within one turn, so that none can leave
+  while (sent < 1000 && connection.publish(3, FORWARD)) sent += 1; // within one turn, so that none can leave
   assert.ok(sent < 10, `${sent} commands were queued`);
-  assert.ok(link.publish(3, NEUTRAL));
+  assert.ok(connection.publish(3, NEUTRAL));
   await until(() => operations("publish").length === sent + 1, "what was sent");
   assert.deepEqual(operations("publish").at(-1).msg, NEUTRAL);
 });
 
-test("a stopped link stays down", async () => {
-  link.stop();
-  assert.equal(link.up, false);
-  assert.equal(link.publish(3, NEUTRAL), false);
+test("a stopped connection stays down", async () => {
+  connection.stop();
+  assert.equal(connection.up, false);
+  assert.equal(connection.publish(3, NEUTRAL), false);
   await until(() => server.clients.size === 0, "the socket's end");
 });
