@@ -1,9 +1,10 @@
 # The two commands of LaserBot Battle. Both install and build what is missing first.
-.PHONY: help demo test lint bench setup clean
+.PHONY: help demo test test-all lint bench setup clean
 
 help:
 	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser'
-	@echo 'make test                      every test there is'
+	@echo 'make test                      what every change must pass: 25 minutes'
+	@echo 'make test-all                  the slow tests, too: before a release'
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
 	@echo 'make images                    the container images; PUSH=host:port, ARCHIVE=file, PLATFORM=linux/arm/v7'
@@ -19,8 +20,10 @@ demo:
 	@exec ci/demo --robots '$(ROBOTS)' --bots '$(BOTS)'
 
 test:
-	@ci/setup test
 	@exec ci/test
+
+test-all:
+	@exec ci/test --all
 
 lint:
 	@ci/setup test

@@ -5,12 +5,12 @@ Bad requests are answered by a status of level error, and change nothing.
 
 import logging
 
+from server.rosbridge.capabilities import FAMILIES
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Log, Publish, Send
 from server.rosbridge.gate import COMMAND_TYPE, Claim, Gate, Identity
 from server.rosbridge.graph import Graph
-from server.rosbridge.ops import FAMILIES
 from server.rosbridge.wire import Id, Request, RequestError, brief, parse, status
 
 SEVERITY = {"none": 0, "error": 1, "warning": 2, "info": 3}

@@ -8,7 +8,7 @@ import socket
 import pytest
 import requests
 
-from tests.support.battle import PORTS, Battle, descendants
+from tests.support.battle import PORTS, Battle, command_line, descendants
 from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
@@ -28,14 +28,6 @@ def refusal(program: Program) -> str:
     return program.output
 
 
-def alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
 @pytest.mark.parametrize("sig", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) -> None:
     battle = Battle(robots=2, bots=1)
@@ -50,7 +42,7 @@ def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) ->
         code = battle.program.stop(sig, seconds=30)
     assert code == 0, battle.program.output
     assert battle.program.output.endswith("Stopped.\n")
-    assert [pid for pid in below if alive(pid)] == []
+    assert [part for part in below if command_line(part)] == []
     for port in battle.ports.values():
         with socket.socket() as probe:
             assert probe.connect_ex(("127.0.0.1", port)) != 0
@@ -68,7 +60,7 @@ def test_make_demo_starts_and_ctrl_c_ends_it() -> None:
     assert "ready: 4 virtual robots" in output
     assert "ready: 2 bots" in output
     assert "2 people can play" in output
-    assert [pid for pid in below if alive(pid)] == []
+    assert [part for part in below if command_line(part)] == []
 
 
 def test_another_computer_reaches_the_game() -> None:
@@ -88,7 +80,11 @@ def test_a_killed_demo_takes_its_processes_with_it() -> None:
     finally:
         battle.program.process.kill()
         battle.program.process.wait()
-    until(lambda: not [pid for pid in below if alive(pid)], 30, "all processes of the killed demo are gone")
+    until(
+        lambda: not [part for part in below if command_line(part)],
+        30,
+        "all processes of the killed demo are gone",
+    )
 
 
 def players_and_free_robots(battle: Battle) -> tuple[list[tuple[str, int]], int] | None:
@@ -113,7 +109,7 @@ def test_everybody_finds_the_way_back_after_the_ros_master_is_killed_in_a_battle
             obeys(cid, eyes)
         assert battle.pid("rosmaster --core") != first_master
         below = descendants(battle.program.process.pid)
-    assert [pid for pid in below if alive(pid)] == []
+    assert [pid for pid in below if command_line(pid)] == []
 
 
 def test_the_bot_waits_for_a_human_as_an_opponent() -> None:

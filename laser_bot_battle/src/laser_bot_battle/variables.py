@@ -111,7 +111,7 @@ VERSION = words("LASERBOT_VERSION", "", "the images' tag for compose", "this ver
 LED: Variable[int | None] = Variable(
     "LASERBOT_LED",
     18,
-    "GPIO of a robot's [status LED](../README.md#the-status-led), or `none`",
+    "GPIO of a robot's [status LED](lan.md#the-status-led), or `none`",
     _gpio,
     "18",
 )

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.unit.rosbridge.sessions import Server
+from tests.unit.rosbridge.clients import Server
 
 
 @pytest.fixture

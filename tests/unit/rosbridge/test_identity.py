@@ -5,7 +5,7 @@ import pytest
 from laser_bot_battle.msg import Robot_msg
 from server.rosbridge.effects import OpenPublisher, Publish
 from server.rosbridge.gate import ANYBODY, OPERATOR, Gate, session_identity
-from tests.unit.rosbridge.sessions import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
+from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
 
 
 def test_a_player_authenticates_by_name_and_token(server: Server) -> None:

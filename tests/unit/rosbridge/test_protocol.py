@@ -18,7 +18,7 @@ from server.rosbridge.effects import (
     Send,
 )
 from server.rosbridge.gate import ANYBODY, OPERATOR, session_identity
-from tests.unit.rosbridge.sessions import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
+from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
 
 
 def test_the_words_of_a_page_become_commands_to_its_robot(server: Server) -> None:

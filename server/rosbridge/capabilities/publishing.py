@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, NamedTuple
 
+from server.rosbridge.capabilities.capability import Family, Handler
 from server.rosbridge.conversion import MessageType
 from server.rosbridge.drivers import is_command_topic
 from server.rosbridge.effects import Effect, Publish
 from server.rosbridge.gate import COMMAND_TYPE, PATIENCE
 from server.rosbridge.names import resolve
-from server.rosbridge.ops.family import Family, Handler
 from server.rosbridge.wire import Id, Request, RequestError
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""docs/protocol-serial.md against the firmware in the simulator (the Pi's side: unit/robot/test_serial_page.py)."""
+"""docs/protocol-serial.md against the firmware in the simulator (the Pi's side: test_serial_page_pi.py)."""
 
 import contextlib
 from collections.abc import Iterator

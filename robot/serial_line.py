@@ -1,4 +1,4 @@
-"""The serial line at work: one thread that owns the port, the session and the dead-men."""
+"""The serial line at work: one thread that owns the port, the conversation and the dead-men."""
 
 import logging
 import select
@@ -8,53 +8,53 @@ from laser_bot_battle.msg import Robot_msg
 from robot.dead_man import DeadMan
 from robot.device_topics import DeviceTopics, serialised
 from robot.mailbox import Mailbox
-from robot.outbox import Outbox
 from robot.rosserial.frame import encode
-from robot.rosserial.session import (
+from robot.rosserial.host import (
     STOP_SENDING,
     DeviceLog,
     DevicePublishes,
     DeviceSubscribes,
     Event,
+    Host,
     Lost,
     Message,
     Notice,
     Send,
-    Session,
 )
 from robot.serial_port import BAUDRATE, PortError, SerialPort
+from robot.transmit_queue import TransmitQueue
 
 TICK = 0.1  # s, longest wait without looking at the time
 DEVICE_LEVELS = (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, logging.CRITICAL)
 
-log = logging.getLogger("robot.serial_node")
-device_log = logging.getLogger("robot.arduino")
+_log = logging.getLogger(__name__)
+_device_log = logging.getLogger("robot.arduino")
 
 
-class Link:
+class SerialLine:
     def __init__(self, port: SerialPort, mailbox: Mailbox) -> None:
         self._port = port
         self._mailbox = mailbox
         self._topics = DeviceTopics(mailbox.put)
-        self._session = Session(time.monotonic())
-        self._outbox = Outbox(BAUDRATE)
+        self._host = Host(time.monotonic())
+        self._queue = TransmitQueue(BAUDRATE)
         self._dead_men: dict[int, DeadMan] = {}
 
     def run(self) -> str:
-        """Work until the mailbox says to end and return that reason; PortError when the link is lost."""
+        """Work until the mailbox says to end and return that reason; PortError when the device is lost."""
         while self._mailbox.ended is None:
             sources = [self._port.fileno(), self._mailbox.fileno()]
             ready, _, _ = select.select(sources, [], [], self._longest_wait())
             data = self._port.read() if self._port.fileno() in ready else b""
             now, wall = time.monotonic(), time.time()
-            for event in self._session.receive(data, now, wall) + self._session.tick(now, wall):
+            for event in self._host.receive(data, now, wall) + self._host.tick(now, wall):
                 self._handle(event)
             for topic_id, payload in self._mailbox.take().items():
                 self._command(topic_id, payload, now)
             for topic_id, dead_man in self._dead_men.items():
                 if dead_man.expired(now):
                     self._command(topic_id, dead_man.neutral, now)
-            if out := self._outbox.take(now):
+            if out := self._queue.take(now):
                 self._port.write(out)
         return self._mailbox.ended
 
@@ -65,7 +65,7 @@ class Link:
         self._port.write(STOP_SENDING)
 
     def _longest_wait(self) -> float:
-        due = [dead_man.deadline for dead_man in self._dead_men.values()] + [self._outbox.due]
+        due = [dead_man.deadline for dead_man in self._dead_men.values()] + [self._queue.due]
         return max(0.0, min([TICK, *(time_ - time.monotonic() for time_ in due if time_ is not None)]))
 
     def _command(self, topic_id: int, payload: bytes, now: float) -> None:
@@ -73,7 +73,7 @@ class Link:
         if info is None:
             return
         if len(payload) > info.buffer_size:
-            log.warning(
+            _log.warning(
                 "message of %d bytes for %s dropped: longer than the device's buffer of %d",
                 len(payload),
                 info.topic_name,
@@ -82,12 +82,12 @@ class Link:
             return
         if topic_id in self._dead_men:
             self._dead_men[topic_id].command(payload, now)
-        self._outbox.command(topic_id, encode(topic_id, payload))
+        self._queue.command(topic_id, encode(topic_id, payload))
 
     def _handle(self, event: Event) -> None:
         match event:
             case Send(data):
-                self._outbox.send(data)
+                self._queue.send(data)
             case DevicePublishes(info):
                 self._topics.publish_for(info)
             case DeviceSubscribes(info):
@@ -97,8 +97,8 @@ class Link:
             case Message(topic_id, payload):
                 self._topics.publish(topic_id, payload)
             case DeviceLog(level, text):
-                device_log.log(DEVICE_LEVELS[min(level, len(DEVICE_LEVELS) - 1)], "%s", text)
+                _device_log.log(DEVICE_LEVELS[min(level, len(DEVICE_LEVELS) - 1)], "%s", text)
             case Notice(text):
-                log.warning("%s", text)
+                _log.warning("%s", text)
             case Lost(reason):
                 raise PortError(f"{self._port.device}: {reason}")

@@ -3,17 +3,17 @@ import struct
 import pytest
 
 from robot.rosserial.frame import encode
-from robot.rosserial.session import (
+from robot.rosserial.host import (
     ANSWER_TIMEOUT,
     DeviceLog,
     DevicePublishes,
     DeviceSubscribes,
     Event,
+    Host,
     Lost,
     Message,
     Notice,
     Send,
-    Session,
 )
 from robot.rosserial.topic_info import TopicInfo
 
@@ -27,21 +27,21 @@ WALL = 1_700_000_000.25  # s since 1970
 
 
 class Conversation:
-    """A session that has begun at time 0, and its clock."""
+    """One that has begun at time 0, and its clock."""
 
     def __init__(self) -> None:
-        self.session = Session(0.0)
+        self.host = Host(0.0)
         self.now = 0.0
 
     def hear(self, data: bytes) -> list[Event]:
-        return self.session.receive(data, self.now, WALL)
+        return self.host.receive(data, self.now, WALL)
 
     def wait(self, seconds: float) -> list[Event]:
         """What happens in that time, looked at ten times a second."""
         events = []
         for _ in range(round(seconds * 10)):
             self.now = round(self.now + 0.1, 1)
-            events += self.session.tick(self.now, WALL)
+            events += self.host.tick(self.now, WALL)
         return events
 
 
@@ -65,17 +65,17 @@ def fresh() -> Conversation:
 @pytest.fixture
 def joined() -> Conversation:
     conversation = Conversation()
-    conversation.session.tick(0.0, WALL)
+    conversation.host.tick(0.0, WALL)
     conversation.hear(TOPICS)
     return conversation
 
 
 def test_topics_are_asked_for_at_once_and_each_second_until_there_is_an_answer(fresh: Conversation) -> None:
-    assert fresh.session.tick(0.0, WALL) == [ASK]
+    assert fresh.host.tick(0.0, WALL) == [ASK]
     assert fresh.wait(3.5) == [ASK] * 3
-    assert not fresh.session.answered
+    assert not fresh.host.answered
     fresh.hear(TOPICS)
-    assert fresh.session.answered
+    assert fresh.host.answered
     assert fresh.wait(10) == []
 
 
@@ -111,10 +111,10 @@ def test_a_request_for_the_time_is_answered_with_seconds_and_nanoseconds(joined:
 
 def test_the_time_alone_does_not_make_a_device_ready(fresh: Conversation) -> None:
     assert len(fresh.hear(TIME_REQUEST)) == 1
-    assert not fresh.session.answered
+    assert not fresh.host.answered
 
 
-def test_requests_for_the_time_keep_the_link_for_ever(joined: Conversation) -> None:
+def test_requests_for_the_time_keep_the_connection_for_ever(joined: Conversation) -> None:
     for _ in range(20):
         assert joined.wait(14) == []
         joined.hear(TIME_REQUEST)
@@ -134,7 +134,7 @@ def test_a_device_that_stays_silent_after_that_is_lost(joined: Conversation) -> 
     assert "no time request for 20 s" in lost.reason
 
 
-def test_messages_alone_do_not_keep_the_link(joined: Conversation) -> None:
+def test_messages_alone_do_not_keep_the_connection(joined: Conversation) -> None:
     for _ in range(19):
         joined.hear(HIT)
         joined.wait(1)

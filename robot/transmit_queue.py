@@ -7,7 +7,7 @@ commands the robot would obey ever older ones.
 BITS_PER_BYTE = 10  # start, 8 data, stop
 
 
-class Outbox:
+class TransmitQueue:
     """Protocol bytes in order and first; of commands only the newest of each topic."""
 
     def __init__(self, baudrate: int) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from server.rosbridge.capabilities.capability import Family, Handler
 from server.rosbridge.effects import CallService, Effect, Send
 from server.rosbridge.names import resolve
-from server.rosbridge.ops.family import Family, Handler
 from server.rosbridge.wire import Id, Request, RequestError, brief, dumps, with_id
 
 if TYPE_CHECKING:

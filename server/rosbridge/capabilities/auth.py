@@ -7,9 +7,9 @@ operator's token. The further fields of the protocol (dest, rand, t, level, end)
 import hmac
 from collections.abc import Mapping
 
+from server.rosbridge.capabilities.capability import Family, Handler
 from server.rosbridge.effects import Effect
 from server.rosbridge.gate import OPERATOR, PATIENCE, Claim, session_identity
-from server.rosbridge.ops.family import Family, Handler
 from server.rosbridge.wire import Request
 
 

@@ -3,8 +3,8 @@
 import logging
 from collections.abc import Mapping
 
+from server.rosbridge.capabilities.capability import Family, Handler
 from server.rosbridge.effects import Effect, Log
-from server.rosbridge.ops.family import Family, Handler
 from server.rosbridge.wire import Request, RequestError, brief
 
 LEVELS = ("error", "warning", "info", "none")

@@ -1,7 +1,7 @@
-"""One conversation with a device, as a state machine: bytes and the time in, events out.
+"""The host's side of one conversation with a device, as a state machine: bytes and the time in, events out.
 
 The host asks for topics until the device tells them, answers its requests for the time, asks again when these stay
-away, and calls the link lost when that brings no answer either.
+away, and gives the device up when that brings no answer either.
 """
 
 import struct
@@ -28,7 +28,7 @@ ASK_PERIOD = 1.0  # s between topic requests: the first ones may meet a boot loa
 NOISE_PERIOD = 10.0  # s between two complaints about broken frames
 ANSWER_TIMEOUT = 8.0  # s to the first answer; a board that resets on opening boots for 2 to 4 s
 SILENCE = 15.0  # s without a time request until topics are asked for again (devices ask every 2.5 to 5 s)
-SILENCE_AFTER_ASKING = 5.0  # s more until the link is lost
+SILENCE_AFTER_ASKING = 5.0  # s more until the device is given up
 
 
 @dataclass(frozen=True)
@@ -73,7 +73,7 @@ class Notice:
 
 @dataclass(frozen=True)
 class Lost:
-    """The link is of no use any more; the session has ended."""
+    """The device does not answer any more; the conversation has ended."""
 
     reason: str
 
@@ -81,7 +81,7 @@ class Lost:
 Event = Send | DevicePublishes | DeviceSubscribes | Message | DeviceLog | Notice | Lost
 
 
-class Session:
+class Host:
     """All times are s of one steady clock, but `wall`, which is s since 1970."""
 
     def __init__(self, now: float) -> None:
@@ -161,20 +161,20 @@ class Session:
     def _message(self, frame: Frame, now: float) -> list[Event]:
         if frame.topic_id in self._published:
             return [Message(frame.topic_id, frame.payload)]
-        # a device that still holds itself negotiated from an earlier session, or whose topic info got lost
+        # a device that still holds itself negotiated from an earlier conversation, or whose topic info got lost
         asking = self._ask(now)
         notice = Notice(f"message on unknown topic id {frame.topic_id}: topics asked for again")
         return [notice, *asking] if asking else []
 
     def _time(self, now: float, wall: float) -> list[Event]:
-        if self._last_sign is not None:  # else: from an earlier session, the topics are still to come
+        if self._last_sign is not None:  # else: from an earlier conversation, the topics are still to come
             self._last_sign = now
         secs, fraction = divmod(wall, 1)
         return [Send(encode(TIME, struct.pack("<II", int(secs), int(fraction * 1e9))))]
 
 
 def _aside(frame: Frame) -> list[Event]:
-    """Frames that do not touch the session."""
+    """Frames that do not touch the conversation."""
     if frame.topic_id == LOG:
         return [_log(frame.payload)]
     if frame.topic_id == PARAMETER:

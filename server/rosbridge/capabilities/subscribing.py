@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from server.rosbridge.capabilities.capability import Family, Handler
 from server.rosbridge.effects import Effect
 from server.rosbridge.gate import STATUS_TOPIC, STATUS_TYPE
 from server.rosbridge.names import resolve
-from server.rosbridge.ops.family import Family, Handler
 from server.rosbridge.subscription import Subscription
 from server.rosbridge.wire import Request, RequestError, brief
 
