@@ -78,6 +78,7 @@ def test_a_hit_of_the_device_is_a_message_of_the_node_that_bears_the_robots_name
     send_until_heard(start, device, HIT, "/Robot11/response", "/Robot11")
 
 
+@pytest.mark.slow  # the time is real
 def test_the_device_gets_neutral_300_ms_after_the_last_command(start: Start, device: Device) -> None:
     serve(start, device.path, 12)
     publish(start, "/Robot12/command", "1 0 0")
