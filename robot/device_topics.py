@@ -12,7 +12,7 @@ import rospy
 from robot.message_types import message_class
 from robot.rosserial.topic_info import TopicInfo
 
-log = logging.getLogger("robot.device_topics")
+_log = logging.getLogger(__name__)
 
 
 class DeviceTopics:
@@ -49,7 +49,7 @@ class DeviceTopics:
         try:
             message.deserialize(payload)
         except genpy.DeserializationError as error:
-            log.warning("message of %d bytes on %s dropped: %s", len(payload), publisher.resolved_name, error)
+            _log.warning("message of %d bytes on %s dropped: %s", len(payload), publisher.resolved_name, error)
             return
         publisher.publish(message)
 
@@ -67,10 +67,10 @@ class DeviceTopics:
             self._types[info.topic_id] = message_class(info)
             endpoint = make(self._types[info.topic_id])
         except (ValueError, rospy.ROSException) as error:
-            log.error("topic refused: %s", error)
+            _log.error("topic refused: %s", error)
             return
         self._endpoints[info.topic_id] = endpoint
-        log.info("%s (%s) joined, id %d", endpoint.resolved_name, info.message_type, info.topic_id)
+        _log.info("%s (%s) joined, id %d", endpoint.resolved_name, info.message_type, info.topic_id)
 
 
 def serialised(message: genpy.Message) -> bytes:

@@ -134,7 +134,7 @@ def test_another_checkout_of_the_same_sources_gives_the_same_images(version: str
 def test_the_date_of_the_files_is_that_of_this_build_whatever_was_built_before(version: str, checkout: Path) -> None:
     """It is part of the digest, and of what a browser compares when it asks for a file again."""
     bake(checkout, "dated", VERSION=version, SOURCE_DATE_EPOCH="1700000000")
-    assert run("webserver:dated", "linux/amd64", "stat", "-c", "%Y", "server/app.py").strip() == "1700000000"
+    assert run("webserver:dated", "linux/amd64", "stat", "-c", "%Y", "server/web/app.py").strip() == "1700000000"
     docker("image", "rm", *(f"{image}:dated" for image in PLATFORMS))
 
 
@@ -142,10 +142,10 @@ def test_one_changed_file_is_in_all_platforms_of_the_next_build(
     version: str, figures: list[str], checkout: Path
 ) -> None:
     bake(checkout, "changed", VERSION=version)
-    with (checkout / "server/app.py").open("a") as file:
+    with (checkout / "server/web/app.py").open("a") as file:
         file.write("# changed\n")
     took = bake(checkout, "changed", VERSION=version)
     figures.append(f"build after one changed file: {took:.1f} s (budget 20 s)")
     for platform in PLATFORMS["webserver"]:
-        assert "# changed" in run("webserver:changed", platform, "tail", "-n", "1", "server/app.py")
+        assert "# changed" in run("webserver:changed", platform, "tail", "-n", "1", "server/web/app.py")
     docker("image", "rm", *(f"{image}:changed" for image in PLATFORMS))

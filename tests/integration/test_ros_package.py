@@ -32,7 +32,7 @@ def test_catkin_make_builds_the_same_messages(tmp_path: Path) -> None:
     )
     assert built.returncode == 0, built.stdout + built.stderr
     script = (
-        "from laser_bot_battle.msg import *; from laser_bot_battle.srv import *\n"
+        "from laser_bot_battle.msg import *; from laser_bot_battle.srv import *; import laser_bot_battle.master\n"
         "print(Robot_msg._md5sum, UserStatus._md5sum, GameStatus._md5sum, AddNewRobot._md5sum)"
     )
     printed = subprocess.run(

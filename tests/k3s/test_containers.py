@@ -8,7 +8,7 @@ from functools import cache
 import pytest
 
 from images.health import CHECKS
-from server.referee import Rules
+from server.game.referee import Rules
 from tests.support.imagefile import dockerfile, folders
 from tests.support.manifests import REFERENCE, Kubelet, Manifests, Object, overlay
 from tests.support.program_settings import ProgramSettings

@@ -7,10 +7,9 @@ from typing import Any
 import pytest
 from flask.testing import FlaskClient
 
-from server.app import create_app
-from server.battle import Battle
-from server.id_service_server import to_message
-from server.referee import Referee, Rules
+from server.game.loop import GameLoop
+from server.game.referee import Referee, Rules
+from server.ros.status import to_message
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Publish, Send
@@ -19,6 +18,7 @@ from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Session
 from server.rosbridge.wire import dumps
 from server.settings import Settings
+from server.web.app import create_app
 from tests.support.documents import blocks, page, table
 
 PAGE = page("protocol-browser.md")
@@ -30,10 +30,10 @@ class Story:
 
     def __init__(self) -> None:
         self.now = 1000.0
-        self.battle = Battle(Referee(Rules()), clock=lambda: self.now)
+        self.battle = GameLoop(Referee(Rules()), clock=lambda: self.now)
         for number in range(3):
             self.battle.add_robot(f"/id_service_client_raspberrypi{number + 1}")
-        self.app = create_app(self.battle, Settings())
+        self.app = create_app(self.battle, Settings.from_env({}))
         self.gate, self.drivers, self.graph, self.types = Gate(""), Drivers(), Graph(), Types()
         self._browsers: dict[str, FlaskClient] = {}
         self._sessions: dict[str, Session] = {}

@@ -23,24 +23,29 @@ RUN_BY = {
         "make demo ROBOTS=4 BOTS=2": "tests/integration/test_demo.py::test_make_demo_starts_and_ctrl_c_ends_it",
         "LASERBOT_BIND=0.0.0.0 make demo": "tests/integration/test_demo.py::test_another_computer_reaches_the_game",
         "make images": "tests/images/test_contents.py::test_each_image_has_a_list_of_its_contents",
+        "docker compose --profile demo up": "tests/images/test_compose.py::test_a_battle_is_played_to_its_end",
+        "make fleet": "ci/test-fleet::ci/fleet up",
+        "make test": ".ci/run::exec make test",
+        "make lint": ".github/workflows/ci.yml::run: make lint",
+        "make bench": ".github/workflows/ci.yml::run: make bench",
+        "make": "tests/repository/test_documents.py::test_make_alone_lists_the_targets",
+    },
+    "docs/images.md": {
+        "make images": "tests/images/test_contents.py::test_each_image_has_a_list_of_its_contents",
         "make images PUSH=registry:port": "tests/images/test_delivery.py"
         "::test_a_registry_gets_every_platform_under_one_name",
         "make images ARCHIVE=laserbot.tar": "tests/images/test_delivery.py::test_an_archive_carries_every_platform",
         "docker load -i laserbot.tar": "tests/images/test_delivery.py::test_an_archive_carries_every_platform",
         "make images PLATFORM=linux/arm/v7 ARCHIVE=robot.tar": "tests/images/test_delivery.py"
         "::test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind",
-        "docker compose --profile demo up": "tests/images/test_compose.py::test_a_battle_is_played_to_its_end",
         "ENGINE_PORTS=5000,8080,9090 ci/engine docker compose --profile demo up": "tests/integration/test_engine.py"
         "::test_chosen_ports_of_a_private_engine_are_reached_through_the_systems",
+    },
+    "docs/lan.md": {
         "docker compose --profile master up -d": "tests/images/test_compose_lan.py"
         "::test_a_robot_on_a_serial_device_joins_the_master",
         "docker compose --profile robot up -d": "tests/images/test_compose_lan.py"
         "::test_a_robot_on_a_serial_device_joins_the_master",
-        "make fleet": "ci/test-fleet::ci/fleet up",
-        "make test": ".ci/run::exec make test",
-        "make lint": ".github/workflows/ci.yml::run: make lint",
-        "make bench": ".github/workflows/ci.yml::run: make bench",
-        "make": "tests/repository/test_documents.py::test_make_alone_lists_the_targets",
     },
     "ansible/README.md": {
         "make fleet": "ci/test-fleet::ci/fleet up",

@@ -6,17 +6,21 @@ import re
 import pytest
 import yaml
 
+from laser_bot_battle.variables import LASERBOT, table
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT
 
 README = (ROOT / "README.md").read_text()
 VARIABLE = re.compile(r"\bLASERBOT_[A-Z]+(?:_[A-Z]+)*\b")
-ROWS = re.findall(r"^\| (`LASERBOT_[^|]+) \|(.*)", README, re.MULTILINE)
-LISTED = {name for names, _ in ROWS for name in VARIABLE.findall(names)}
-MARKED = {name for names, rest in ROWS if "not with compose" in rest for name in VARIABLE.findall(names)}
+LISTED = {variable.name for variable in LASERBOT}
+MARKED = {variable.name for variable in LASERBOT if "not with compose" in variable.text}
 COMPOSE = (ROOT / "compose.yaml").read_text()
 SERVICES = yaml.safe_load(COMPOSE)["services"]
 INTERPOLATED = set(re.findall(r"\$\{(LASERBOT_\w+)", COMPOSE))
+
+
+def test_the_page_of_the_settings_has_the_table_of_the_declarations() -> None:
+    assert table() in (ROOT / "docs" / "settings.md").read_text()
 
 
 def test_every_variable_that_a_program_reads_is_in_the_table_and_no_other() -> None:

@@ -4,9 +4,9 @@ import pytest
 
 from laser_bot_battle.msg import Robot_msg
 from robot.device_topics import serialised
-from robot.rosserial import session
+from robot.rosserial import host
 from robot.rosserial.frame import Decoder, Frame, encode
-from robot.rosserial.session import DevicePublishes, DeviceSubscribes, Event, Message, Send, Session
+from robot.rosserial.host import DevicePublishes, DeviceSubscribes, Event, Host, Message, Send
 from robot.serial_port import BAUDRATE
 from tests.support.documents import Row, page, table, value_of
 
@@ -43,7 +43,7 @@ def test_the_bytes_of_a_command_are_its_message(row: Row) -> None:
 
 def test_the_conversation_is_held_by_the_pi() -> None:
     """What the Pi says is what the page says, at the page's places; what the Arduino says is understood."""
-    pi = Session(0.0)
+    pi = Host(0.0)
     said = [event.data for event in pi.tick(0.0, WALL) if isinstance(event, Send)]
     heard: list[Event] = []
     for row in CONVERSATION:
@@ -51,7 +51,7 @@ def test_the_conversation_is_held_by_the_pi() -> None:
             events = pi.receive(data(row), 0.0, WALL)
             said += [event.data for event in events if isinstance(event, Send)]
             heard += [event for event in events if not isinstance(event, Send)]
-    assert [*said, session.STOP_SENDING] == [data(row) for row in CONVERSATION if row["from"] == "Pi"]
+    assert [*said, host.STOP_SENDING] == [data(row) for row in CONVERSATION if row["from"] == "Pi"]
     publishes, subscribes, hit = heard
     assert isinstance(publishes, DevicePublishes)
     assert isinstance(subscribes, DeviceSubscribes)
@@ -60,7 +60,7 @@ def test_the_conversation_is_held_by_the_pi() -> None:
 
 def test_the_topic_ids_are_the_protocols() -> None:
     ids = {int(row["id"]) for row in table(PAGE, "Topic ids")}
-    reserved = {session.PUBLISHER, session.SUBSCRIBER, session.PARAMETER, session.LOG, session.TIME, session.TX_STOP}
+    reserved = {host.PUBLISHER, host.SUBSCRIBER, host.PARAMETER, host.LOG, host.TIME, host.TX_STOP}
     told = {the_frame(row).topic_id for row in CONVERSATION + COMMANDS}
     assert ids == reserved | {100, 125}
     assert told <= ids

@@ -36,6 +36,7 @@ class Program:
     @classmethod
     def python(cls, module: str, *arguments: str, env: Mapping[str, str] | None = None) -> "Program":
         """The Python module `module` of this repository, by the interpreter that runs the tests."""
+        env = {"PYTHONPATH": str(ROOT / "build" / "python"), **(env or {})}
         return cls([sys.executable, "-m", module, *arguments], env)
 
     @property

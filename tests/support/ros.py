@@ -6,6 +6,7 @@ A test package makes the fixture its own by importing it in its conftest.py:
 """
 
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -44,6 +45,15 @@ class RosMaster:
         if self._program is not None:
             self._program.stop()
             self._program = None
+
+    def pause(self) -> None:
+        """It hangs until resume()."""
+        assert self._program
+        self._program.process.send_signal(signal.SIGSTOP)
+
+    def resume(self) -> None:
+        assert self._program
+        self._program.process.send_signal(signal.SIGCONT)
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,12 @@
 import pytest
 
 from images import health
-from robot.settings import Settings
+from laser_bot_battle.variables import MASTER
 
 
 def test_a_robots_master_is_the_one_that_the_robot_itself_takes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("LASERBOT_MASTER", raising=False)
-    assert health.master() == Settings.from_env({}).master
+    assert health.master() == MASTER.read({})
 
 
 @pytest.mark.parametrize(

@@ -33,10 +33,7 @@ def listen(topic: str) -> None:
     def received(message: Empty) -> None:
         print("message from", message._connection_header["callerid"], flush=True)
 
-    subscriber = rospy.Subscriber(topic, Empty, received)
-    while subscriber.get_num_connections() == 0:
-        time.sleep(0.01)
-    print("connected", flush=True)
+    rospy.Subscriber(topic, Empty, received)
     rospy.spin()
 
 

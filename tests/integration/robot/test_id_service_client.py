@@ -57,6 +57,27 @@ def test_a_robot_registers_once_its_arduino_answers_and_pings_with_its_id(
     assert ids.callers == ["/id_service_client_test_robot_1"]
 
 
+def test_the_sign_of_life_is_renewed_while_the_robot_works_and_only_then(
+    ids: IdService, web: WebServer, settings: dict[str, str], robot: Program
+) -> None:
+    alive = Path(settings["LASERBOT_ALIVE_FILE"])
+
+    def age() -> float:
+        return time.time() - alive.stat().st_mtime
+
+    ids.give("none")
+    robot.wait_for("no ID is free")
+    assert not alive.exists()
+    ids.give("0")
+    until(alive.exists, 15)
+    first = alive.stat().st_mtime
+    until(lambda: alive.stat().st_mtime > first + 2)
+    web.stop()
+    until(lambda: age() > 3)
+    web.start()
+    until(lambda: age() < 1)
+
+
 def test_a_robot_whose_arduino_does_not_answer_is_not_registered(
     ids: IdService, web: WebServer, device: Device, robot: Program
 ) -> None:
@@ -137,7 +158,7 @@ def test_a_web_server_that_is_away_and_back_changes_nothing_else(
     assert len(ids.callers) == 1
 
 
-def test_without_the_service_the_reason_is_said_and_the_robot_tries_on(
+def test_without_the_service_the_reason_is_said_and_the_robot_tries_again(
     ros_master: RosMaster, tmp_path: Path, robot: Program
 ) -> None:
     until(lambda: robot.output.count("Service call failed") >= 2, 15)
@@ -146,7 +167,7 @@ def test_without_the_service_the_reason_is_said_and_the_robot_tries_on(
     service.kill()
 
 
-def test_without_a_ros_master_the_reason_is_said_and_the_robot_tries_on(device: Device, tmp_path: Path) -> None:
+def test_without_a_ros_master_the_reason_is_said_and_the_robot_tries_again(device: Device, tmp_path: Path) -> None:
     master = RosMaster(tmp_path)
     env = {**master.env, "LASERBOT_SERIAL": device.path, "LASERBOT_RETRY": "0.2", "LASERBOT_MASTER": "127.0.0.1"}
     robot = Program.python("robot.id_service_client", env={**env, "LASERBOT_WEB_PORT": str(free_port())})
@@ -193,4 +214,4 @@ def test_the_serial_node_does_not_outlive_a_killed_supervisor(ids: IdService, ro
 def test_a_wrong_setting_ends_it_with_one_line() -> None:
     robot = Program.python("robot.id_service_client", env={"LASERBOT_WEB_PORT": "x", "PYTHONPATH": "build/python"})
     assert robot.process.wait(10) == 2
-    assert robot.output == "LASERBOT_WEB_PORT=x: must be a number from 1 to 65535\n"
+    assert robot.output == "robot.id_service_client: LASERBOT_WEB_PORT=x: must be a whole number from 1 to 65535\n"

@@ -54,17 +54,6 @@ def test_a_restarted_master_makes_it_end_so_that_it_is_started_again(launch, own
     assert server.robot("a").id == 0
 
 
-def test_a_master_that_is_gone_makes_it_end(launch, own_master):
-    own_master.start()
-    server = launch(master=own_master)
-    server.wait_until_serving()
-    own_master.stop()
-    assert until(lambda: not server.program.running, 10)
-    assert server.program.process.returncode == 1
-    assert "does not answer any more" in server.program.output
-    assert "Traceback" not in server.program.output
-
-
 def test_a_second_server_of_the_same_name_replaces_the_first(launch):
     first = launch()
     first.wait_until_serving()

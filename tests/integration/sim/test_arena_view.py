@@ -92,7 +92,7 @@ def test_a_port_in_use_is_one_clear_line(arena: Arena, variable: str) -> None:
 def test_an_impossible_setting_is_one_clear_line() -> None:
     program = Program.python("sim.arena", env={"LASERBOT_ARENA_PORT": "eighty"})
     assert program.process.wait(10) == 2
-    assert program.output == "arena: LASERBOT_ARENA_PORT=eighty: must be a port, 1 to 65535\n"
+    assert program.output == "arena: LASERBOT_ARENA_PORT=eighty: must be a whole number from 1 to 65535\n"
 
 
 def test_help_lists_the_variables() -> None:

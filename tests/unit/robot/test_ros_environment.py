@@ -3,7 +3,7 @@ import pytest
 from robot.ros_environment import ros_environment
 
 
-def test_the_own_address_is_the_one_on_the_route_to_the_master() -> None:
+def test_the_address_of_this_machine_is_the_one_on_the_route_to_the_master() -> None:
     assert ros_environment({}, "http://127.0.0.1:11311") == {
         "ROS_MASTER_URI": "http://127.0.0.1:11311",
         "ROS_IP": "127.0.0.1",

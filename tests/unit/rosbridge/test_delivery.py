@@ -2,10 +2,7 @@
 
 import json
 
-import pytest
-
 from server.rosbridge.outbox import MOST_BYTES, MOST_REPLIES, Outbox
-from server.rosbridge.settings import Settings, SettingsError
 from server.rosbridge.subscription import Subscription
 
 
@@ -94,20 +91,3 @@ def test_too_many_replies_or_bytes_are_hopeless() -> None:
     assert not outbox.hopeless
     outbox.message("/a", "x" * MOST_BYTES, 1)
     assert outbox.hopeless
-
-
-def test_settings_have_defaults() -> None:
-    assert Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": ""}) == Settings()
-    assert Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": "1", "LASERBOT_OPERATOR_TOKEN": "x"}) == Settings(
-        port=1, operator_token="x"
-    )
-
-
-@pytest.mark.parametrize(
-    "variable",
-    [("LASERBOT_ROSBRIDGE_PORT", "0"), ("LASERBOT_ROSBRIDGE_PORT", "65536"), ("LASERBOT_ROSBRIDGE_PORT", "-1"),
-     ("LASERBOT_ROSBRIDGE_PORT", "9 0"), ("LASERBOT_ROSBRIDGE_PORT", "²"), ("LASERBOT_LOG_LEVEL", "loud")],
-)  # fmt: skip
-def test_an_impossible_setting_is_named(variable: tuple[str, str]) -> None:
-    with pytest.raises(SettingsError, match="=".join(variable)):
-        Settings.from_env(dict([variable]))

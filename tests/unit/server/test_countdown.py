@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.referee import Verdict
+from server.game.referee import Verdict
 
 
 def test_two_ready_players_start_a_countdown_of_15_seconds(match):

@@ -2,7 +2,8 @@
 
 import pytest
 
-from server.robot import IDS, Robots
+from laser_bot_battle.names import ROBOT_IDS
+from server.game.robot import Robots
 
 
 def register(robots, *callers):
@@ -68,7 +69,7 @@ def test_a_roster_that_gives_one_id_twice_still_gives_unique_ids():
 
 def test_the_129th_robot_gets_no_id():
     robots = Robots()
-    assert register(robots, *(f"/r{number}" for number in IDS)) == list(range(128))
+    assert register(robots, *(f"/r{number}" for number in ROBOT_IDS)) == list(range(128))
     assert register(robots, "/one_more", "/unnamed") == [None, None]
     assert register(robots, "/r5") == [5]
 

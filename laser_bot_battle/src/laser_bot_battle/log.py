@@ -1,0 +1,32 @@
+"""Logging of all programs: one line per event on stderr."""
+
+import logging
+import sys
+
+
+def configure_logging(level: str) -> None:
+    """Send everything of `level` ("debug" ... "error") and above to stderr.
+
+    Call it again after `rospy.init_node`, which puts handlers of its own in place (a file, and a second stream).
+    """
+    handler = logging.StreamHandler(sys.stderr)
+    handler.addFilter(_shorten_ros)
+    logging.basicConfig(
+        level=level.upper(),
+        format="%(asctime)s %(levelname)s %(name)s: %(message)s",
+        handlers=[handler],
+        force=True,
+    )
+    logging.getLogger("rosout").handlers.clear()
+    for noisy in ("rospy", "rosgraph", "rosout", "waitress.queue"):
+        logging.getLogger(noisy).setLevel(logging.WARNING)
+
+
+def _shorten_ros(record: logging.LogRecord) -> bool:
+    """rospy logs the whole traceback of a lost connection, which is daily life here: keep its first and last line."""
+    if record.name.startswith("ros"):
+        lines = record.getMessage().splitlines()
+        if len(lines) > 1:
+            record.msg = f"{lines[0].removesuffix('Traceback (most recent call last):')} {lines[-1]}"
+            record.args = ()
+    return True
