@@ -23,8 +23,7 @@ READY_PAUSE = 0.5  # s between two calls that change ready
 GOODBYE_SECONDS = 2.0
 
 HELP = f"""\
-A bot's name is {PREFIX} and a number; if it is taken, the bot tries the next one. It gets ready when somebody who is
-no bot is ready, and takes that back likewise.
+A bot's name is {PREFIX} and a number; if it is taken, the bot tries the next one. It is ready while a person is ready.
 
 {describe(*VARIABLES)}
 """
@@ -33,16 +32,16 @@ _log = logging.getLogger(__name__)
 
 
 class SignedOutError(Exception):
-    """The server does not know this player any more."""
+    """The server no longer knows this player."""
 
 
 def wants_ready(status: Status) -> bool:
-    """Whether a bot is ready to play: when a player who is no bot is."""
+    """Whether a bot is ready to play: while a person is."""
     return any(player.ready and not is_bot(player.name) for player in status.players)
 
 
 class Bot:
-    """Signs in, plays, and does so again whatever is lost."""
+    """Signs up and plays; whatever it loses, it starts again."""
 
     def __init__(self, http: aiohttp.ClientSession, settings: Settings) -> None:
         self._http = http
@@ -71,7 +70,7 @@ class Bot:
                     tasks.create_task(self._stay_signed_in())
                     tasks.create_task(self._use_rosbridge(robot))
             except* SignedOutError:
-                self._tell(f"{self._name} is signed out by the server (robot or server lost); signing up again")
+                self._tell(f"{self._name} is signed out (the robot or the server was lost); signing up again")
                 self._name = ""
 
     async def _sign_up(self) -> int:
@@ -101,7 +100,7 @@ class Bot:
             await asyncio.sleep(RETRY)
 
     async def _stay_signed_in(self) -> None:
-        """Give signs of life; SignedOutError when the server does not know the player any more."""
+        """Give signs of life; SignedOutError when the server no longer knows the player."""
         while True:
             try:
                 if not await self._web.is_signed_in(self._name):
@@ -111,7 +110,7 @@ class Bot:
             await asyncio.sleep(HEARTBEAT)
 
     async def _use_rosbridge(self, robot: int) -> None:
-        """For ever, through restarts of rosbridge."""
+        """Play through rosbridge for ever, also when it is restarted."""
         url = self._settings.rosbridge_url
         while True:
             try:
@@ -137,7 +136,7 @@ class Bot:
             if status and me and status.game == PLAYING and me.ready and me.life > 0:
                 opponents = {p.robot for p in status.players if p.ready and p.life > 0 and p is not me}
                 await rosbridge.command(self._decide(loop.time(), robot, opponents))
-            else:  # rosbridge itself stops a robot whose driver may not drive any more
+            else:  # rosbridge itself stops a robot whose driver may no longer drive
                 self._mind = None
                 due = loop.time() > next_ready
                 if status and me and due and status.game != PLAYING and me.ready != wants_ready(status):
@@ -148,12 +147,12 @@ class Bot:
     async def _set_ready(self, ready: bool) -> None:
         try:
             await self._web.set_ready(self._name, ready)
-            _log.info("%s is %s", self._name, "ready" if ready else "not ready any more")
+            _log.info("%s is %s", self._name, "ready" if ready else "no longer ready")
         except GameError as error:
             self._tell(f"{error}; waiting")
 
     def _decide(self, now: float, robot: int, opponents: set[int]) -> Command:
-        """What to do now; nothing while the arena is not to be seen."""
+        """What to do now; nothing while the arena does not answer."""
         robots = dict(self._eyes.robots())
         me = robots.pop(robot, None)
         arena = self._eyes.arena
@@ -173,7 +172,7 @@ class Bot:
                     _log.info("%s has signed out", self._name)
 
     def _tell(self, text: str) -> None:
-        """Log what has changed; the same thing only once."""
+        """Log what has changed: the same text only once."""
         if text != self._told:
             _log.info("%s", text)
         self._told = text

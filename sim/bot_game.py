@@ -21,7 +21,7 @@ _log = logging.getLogger(__name__)
 
 
 class GameError(Exception):
-    """The web server cannot be reached or does not make sense; the text says why."""
+    """The web server does not answer, or not as it should; the text says why."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Status:
 
     @classmethod
     def from_message(cls, message: Mapping[str, Any]) -> "Status":
-        """From a GameStatus as rosbridge sends it; KeyError, TypeError or ValueError if it is none."""
+        """From a GameStatus as rosbridge sends it; KeyError, TypeError or ValueError if it is not one."""
         players = tuple(
             Player(str(user["name"]), int(user["robot"]), int(user["life"]), bool(user["ready"]))
             for user in message["users"]
@@ -74,7 +74,7 @@ class Web:
         try:
             return any(user["name"] == name for user in json.loads(status["users"]))
         except (KeyError, TypeError, ValueError) as error:
-            raise GameError(f"the server's status is not understood: {error!r}") from None
+            raise GameError(f"cannot understand the server's status: {error!r}") from None
 
     async def _post(self, call: str, **form: str) -> dict[str, Any]:
         """The JSON object that the server answers; GameError."""
@@ -84,12 +84,12 @@ class Web:
         except (aiohttp.ClientError, TimeoutError, OSError, ValueError) as error:
             raise GameError(f"no game server at {self._url}: {error or type(error).__name__}") from None
         if not isinstance(answer, dict):
-            raise GameError(f"{call}: the server's answer is no object")
+            raise GameError(f"{call}: the server's answer is not a JSON object")
         return answer
 
 
 class Rosbridge:
-    """An open connection to rosbridge that may drive one robot; the session's cookie says whose it is."""
+    """An open connection to rosbridge that may drive one robot: the session's cookie, sent with it, says who drives."""
 
     def __init__(self, socket: aiohttp.ClientWebSocketResponse, robot: int) -> None:
         self._socket = socket
@@ -113,7 +113,7 @@ class Rosbridge:
                 elif message.get("op") == "status" and message.get("level") in {"error", "warning"}:
                     _log.warning("rosbridge: %s", message.get("msg"))
             except (AttributeError, KeyError, TypeError, ValueError) as error:
-                _log.warning("a message of rosbridge is not understood: %r", error)
+                _log.warning("cannot understand a message from rosbridge: %r", error)
 
     async def command(self, command: Command) -> None:
         await self._socket.send_json(
@@ -145,7 +145,7 @@ class Eyes:
         self.arena: Arena | None = None
 
     def robots(self) -> dict[int, Pose]:
-        """Where the robots are now, by ID; empty when the arena is not to be seen."""
+        """Where the robots are now, by ID; empty when the arena does not answer."""
         late = asyncio.get_running_loop().time() - self._seen_at
         return self._robots if late < BLIND_AFTER else {}
 
@@ -162,7 +162,7 @@ class Eyes:
                             self._take(json.loads(frame.data))
             except (aiohttp.ClientError, TimeoutError, OSError, KeyError, TypeError, ValueError) as error:
                 if not told:
-                    _log.warning("the arena at %s is not to be seen: %s; standing still", self._url, error)
+                    _log.warning("the arena at %s does not answer: %s; standing still", self._url, error)
                 told = True
             await asyncio.sleep(RETRY)
 

@@ -8,7 +8,7 @@ from laser_bot_battle.settings import SettingsError
 from laser_bot_battle.variables import ARENA, LOG_LEVEL, MASTER, ROSBRIDGE, WEB
 
 VARIABLES = (MASTER, WEB, ROSBRIDGE, ARENA, LOG_LEVEL)
-PREFIX = "Bot"  # a bot is called this and a number: it fights only when somebody plays who is called otherwise
+PREFIX = "Bot"  # a bot is called this and a number; players with other names are people
 _ROBOT = re.compile(r"[0-9]{1,3}")
 _NAME = re.compile(PREFIX + r"[0-9]{1,13}")  # at most 16 letters, like every player's
 

@@ -27,7 +27,7 @@ from sim.demo_settings import HOST, VARIABLES, Settings
 
 ROOT = Path(__file__).resolve().parent.parent
 READY_WITHIN = 90.0  # s; a slow machine needs 20
-STOP_WITHIN = 20.0  # s; roslaunch itself gives its nodes 15 s before it gets rough
+STOP_WITHIN = 20.0  # s; roslaunch gives its nodes 15 s before it kills them
 
 PR_SET_PDEATHSIG = 1
 PR_SET_CHILD_SUBREAPER = 36
@@ -111,12 +111,12 @@ class Demo:
         """Start the master again if it has ended; the nodes find it. Raises DemoError when roslaunch has ended."""
         if self.roslaunch.poll() is not None:
             tail = self.log.read_text(errors="replace").splitlines()[-15:]
-            raise DemoError("\n  ".join([f"the battle ended by itself. The end of {self.log}:", *tail]))
+            raise DemoError("\n  ".join([f"the demo has ended by itself. The end of {self.log}:", *tail]))
         if self.master.poll() is not None:
             self.master = self.start_master()
 
     def steps(self) -> dict[str, Callable[[], bool]]:
-        """What must be there before anyone can play, in the order in which it comes up, each with its question."""
+        """What must be ready before anyone can play, in the order in which it starts, each with its check."""
         steps: dict[str, Callable[[], bool]] = {
             "web server": lambda: self.answers(WEB, 200),
             "rosbridge": lambda: self.answers(ROSBRIDGE, 426),  # to plain HTTP: Upgrade Required
@@ -141,7 +141,7 @@ class Demo:
         return self.players() + (int(json.loads(answer[1])["availableR"]) if answer else 0)
 
     def wait_until_ready(self) -> None:
-        """Say what has come up as it does. Raises DemoError when something does not in time."""
+        """Say what is ready as soon as it is. Raises DemoError when something is not ready in time."""
         deadline = time.monotonic() + READY_WITHIN
         missing = self.steps()
         while missing:
@@ -154,7 +154,7 @@ class Demo:
             time.sleep(0.1)
 
     def wait(self) -> None:
-        """Until the battle ends by itself, which it should not."""
+        """Supervise for ever. Raises DemoError when roslaunch has ended, which it should not."""
         while True:
             self.supervise()
             time.sleep(0.5)
@@ -177,7 +177,7 @@ class Demo:
 
 
 def empty_folder(web_port: int) -> Path:
-    """Where this battle keeps its files. One per web port, so that two battles may run; the last one's are removed."""
+    """A new folder for the files of this demo. Each web port has its own, so that two demos may run."""
     folder = ROOT / "build" / f"demo-{web_port}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)

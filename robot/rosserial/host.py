@@ -161,7 +161,7 @@ class Host:
     def _message(self, frame: Frame, now: float) -> list[Event]:
         if frame.topic_id in self._published:
             return [Message(frame.topic_id, frame.payload)]
-        # a device that still holds itself negotiated from an earlier conversation, or whose topic info got lost
+        # a device that still counts on an earlier conversation, or whose topic info got lost
         asking = self._ask(now)
         notice = Notice(f"message on unknown topic id {frame.topic_id}: topics asked for again")
         return [notice, *asking] if asking else []

@@ -40,7 +40,7 @@ class Peer:
         if self.writer.is_closing():
             return
         if self.writer.transport.get_write_buffer_size() > MAX_UNSENT:
-            _log.warning("%s does not read what it is told: disconnected", self.address)
+            _log.warning("%s does not read what we send: disconnected", self.address)
             self.writer.transport.abort()
             return
         self.writer.write(line)
@@ -90,7 +90,7 @@ class Link:
             _log.warning("%s disconnected: %s", peer.address, reason)
             await peer.refuse(str(reason))
         except OSError:
-            pass  # the peer is gone: its end of line, told by _welcome
+            pass  # the peer is gone, as _welcome has logged
         finally:
             self._open.discard(peer)
             writer.close()

@@ -127,7 +127,7 @@ class View:
                     await self._news.wait()
                 await self._send(viewer, self._newest)
         except TimeoutError:
-            _log.warning("a viewer takes no states any more: disconnected")
+            _log.warning("a viewer has stopped reading: disconnected")
             await viewer.close(code=WSCloseCode.TRY_AGAIN_LATER, drain=False)
         except ConnectionError:
             pass  # the viewer has left

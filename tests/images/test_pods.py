@@ -10,8 +10,6 @@ import pytest
 import requests
 import yaml
 
-from tests.support.containers import docker
-from tests.support.imagefile import dockerfile
 from tests.support.manifests import Manifests, overlay
 from tests.support.play import PLAYING, shoot_to_the_end
 from tests.support.player import Eyes, Player
@@ -19,6 +17,8 @@ from tests.support.pods import ClusterBattle, Pod, free_node_ports
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -116,20 +116,6 @@ def test_the_master_is_found_by_its_services_while_a_part_of_it_is_not_ready(bat
     battle.wait_until_ready()
 
 
-@pytest.mark.parametrize("image", ["webserver", "rosberry", "sim"])
-def test_what_the_manifests_are_checked_against_is_what_the_image_says(version: str, image: str) -> None:
-    config = json.loads(docker("image", "inspect", "--format", "{{json .Config}}", f"{image}:{version}"))
-    expected = dockerfile(image)
-    assert config["User"] == expected.user
-    assert config["Cmd"] == expected.command
-    assert config["Healthcheck"]["Test"] == ["CMD", *expected.health]
-    assert {int(port.split("/")[0]) for port in config.get("ExposedPorts") or {}} == expected.ports
-    assert not config.get("Volumes")  # which would be left behind by every service that does not use it
-    environment = dict(pair.split("=", 1) for pair in config["Env"])
-    assert expected.environment.items() <= environment.items()
-    assert "/usr/bin" in environment["PATH"]  # the manifests' commands and probes name no folder
-
-
 @pytest.fixture
 def robot_with_a_device(version: str, tmp_path: Path) -> Iterator[Pod]:
     """The robot of the lan overlay, on a host whose /dev/laserbot belongs to the group dialout."""
@@ -145,6 +131,13 @@ def robot_with_a_device(version: str, tmp_path: Path) -> Iterator[Pod]:
 
 
 needs_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can make a device")
+SET_ID = """
+import os, stat
+for folder, _, files in os.walk("/usr"):
+    for path in (os.path.join(folder, name) for name in files):
+        if os.lstat(path).st_mode & (stat.S_ISUID | stat.S_ISGID) and stat.S_ISREG(os.lstat(path).st_mode):
+            print(path)
+"""
 OPEN = "import os; os.close(os.open('/host/dev/laserbot', os.O_RDWR)); print('open')"
 
 
@@ -155,7 +148,7 @@ def test_a_real_robot_opens_its_device_without_being_root(robot_with_a_device: P
     status = pod.exec("robot", "cat", "/proc/1/status")
     assert "CapEff:\t0000000000000000" in status
     assert "Uid:\t10001\t10001\t10001\t10001" in status
-    assert pod.exec("robot", "sh", "-c", "find / -xdev -perm /6000 -type f 2>/dev/null; true") == ""
+    assert pod.exec("robot", "python3", "-c", SET_ID) == ""
 
 
 @needs_root
@@ -213,7 +206,7 @@ def test_a_robot_without_arduino_says_so_and_is_not_ready(version: str, tmp_path
         pod.start(overlay("lan").within("laserbot"), {"master": pod.address})
         until(lambda: "No attached ARDUINO found: looked for /host/dev/laserbot" in pod.logs("robot"), 20)
         assert pod.state("robot")["Running"]
-        words = "health: no serial node: no Arduino, or no ID from the server"  # what the kubelet's event quotes
+        words = "health: no sign of work"  # what the kubelet's event quotes
         with pytest.raises(AssertionError, match=words):
             pod.exec("robot", *pod.of("robot")["readinessProbe"]["exec"]["command"])
         assert words in (ROOT / "k3s/README.md").read_text()

@@ -97,8 +97,8 @@ def test_a_serial_link_in_a_missing_folder_is_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("content", "reason"),
     [
-        (b"", "is no ELF file"),
-        (b"no firmware at all", "is no ELF file"),
+        (b"", "is not an ELF file"),
+        (b"no firmware at all", "is not an ELF file"),
         (elf_of(0xCFFF)[:60], "has no program in it"),
         (elf_of(0xCFFF)[:-2], "is cut off"),
         (elf_of(*[0] * 16385), "does not fit"),
@@ -117,7 +117,7 @@ def test_a_program_for_another_processor_is_refused(tmp_path: Path) -> None:
     assert_refused(
         run_avr_robot("--firmware", AVR_ROBOT, "--name", "robot", "--serial", tmp_path / "tty"),
         1,
-        "is no program for an AVR",
+        "is not a program for an AVR",
     )
 
 
@@ -345,7 +345,7 @@ def test_nonsense_from_the_arena_does_nothing(tmp_path: Path, arena: Arena) -> N
         link.send("ht 1\n")
         until(lambda: robot.cycles_of("light", "1"), 5, "the one good line")
         assert [event.words for event in robot.events if event.words[0] == "light"] == [["light", "1"]]
-        link.send("x" * 1000)  # this is no arena: the robot hangs up and comes again
+        link.send("x" * 1000)  # this is not an arena: the robot hangs up and comes again
         until(lambda: link.lines and link.closed, 5, "the end of the connection")
         assert arena.accept().hello()[0] == "robot virtual0"
         until(lambda: robot.cycles_of("light", "0"), 5, "darkness")

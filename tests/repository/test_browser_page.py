@@ -1,4 +1,4 @@
-"""docs/protocol-browser.md against the web application and rosbridge's sessions: its conversations are held."""
+"""docs/protocol-browser.md against the web application and rosbridge's clients: its conversations are held."""
 
 import json
 import re
@@ -7,15 +7,16 @@ from typing import Any
 import pytest
 from flask.testing import FlaskClient
 
+from laser_bot_battle.names import GAME_STATUS
 from server.game.loop import GameLoop
 from server.game.referee import Referee, Rules
 from server.ros.status import to_message
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Publish, Send
-from server.rosbridge.gate import ANYBODY, STATUS_TOPIC, STATUS_TYPE, Gate, battle_of, session_identity
+from server.rosbridge.gate import GUEST, STATUS_TYPE, Gate, session_identity
 from server.rosbridge.graph import Graph
-from server.rosbridge.protocol import Session
+from server.rosbridge.protocol import Client
 from server.rosbridge.wire import dumps
 from server.settings import Settings
 from server.web.app import create_app
@@ -36,18 +37,18 @@ class Story:
         self.app = create_app(self.battle, Settings.from_env({}))
         self.gate, self.drivers, self.graph, self.types = Gate(""), Drivers(), Graph(), Types()
         self._browsers: dict[str, FlaskClient] = {}
-        self._sessions: dict[str, Session] = {}
+        self._clients: dict[str, Client] = {}
 
     def browser(self, who: str) -> FlaskClient:
         return self._browsers.setdefault(who, self.app.test_client())
 
-    def session(self, who: str) -> Session:
+    def client(self, who: str) -> Client:
         """That person's WebSocket, opened with the browser's cookie."""
-        if who not in self._sessions:
+        if who not in self._clients:
             cookie = self.browser(who).get_cookie(COOKIE)
-            identity = session_identity(cookie.value) if cookie else ANYBODY
-            self._sessions[who] = Session(self.gate, self.drivers, self.graph, self.types, identity)
-        return self._sessions[who]
+            identity = session_identity(cookie.value) if cookie else GUEST
+            self._clients[who] = Client(self.gate, self.drivers, self.graph, self.types, identity)
+        return self._clients[who]
 
     def wait(self, seconds: float) -> None:
         """Time passes; robots and pages give signs of life."""
@@ -66,14 +67,14 @@ class Story:
 
     def says(self, who: str, text: str) -> list[str]:
         """What follows from that request over the WebSocket, as lines of the page."""
-        self.gate.update(battle_of(to_message(self.battle.snapshot())), self.now)
-        return self.lines(who, self.session(who).receive(text, self.now))
+        self.gate.update(to_message(self.battle.snapshot()), self.now)
+        return self.lines(who, self.client(who).receive(text, self.now))
 
     def status(self, who: str) -> list[str]:
         """What that person gets when the referee speaks."""
         message = self.types.message(STATUS_TYPE).encode(to_message(self.battle.snapshot()))
-        session = self.session(who)
-        (subscription,) = [one for one in self.graph.subscriptions(STATUS_TOPIC) if one.client is session]
+        client = self.client(who)
+        (subscription,) = [one for one in self.graph.subscriptions(GAME_STATUS) if one.client is client]
         text = subscription.offer(dumps(message), self.now)
         assert text is not None
         return [f"{who} <- " + re.sub('"[0-9a-f]{64}"', '"…"', text)]
@@ -108,7 +109,7 @@ def hold(story: Story, paragraph: str) -> None:
         case [who, "->", *words]:
             assert [plain(line) for line in story.says(who, " ".join(words))] == [plain(line) for line in expected]
         case [who, "closes"]:
-            lines = story.lines(who, story.session(who).closed())
+            lines = story.lines(who, story.client(who).closed())
             assert [plain(line) for line in lines] == [plain(line) for line in expected]
         case [who, "<-", *_]:
             assert [plain(line) for line in story.status(who)] == [plain(first)]
@@ -133,6 +134,6 @@ def test_the_page_has_every_route_and_no_other() -> None:
 
 def test_the_page_has_every_operation_and_no_other() -> None:
     rows = table(PAGE, "rosbridge")
-    known = set(Story().session("guest")._handlers)
+    known = set(Story().client("guest").handlers)
     assert {row["operation"] for row in rows if "client" in row["from"]} == known
     assert {row["operation"] for row in rows if "server" in row["from"]} == {"publish", "service_response", "status"}

@@ -95,7 +95,8 @@ def test_a_linter_finds_a_fault(linter: str, tmp_path: Path) -> None:
         (tmp_path / tools).symlink_to(ROOT / tools)
     for folder in (".ci", "images", "laser_bot_battle/scripts", "tests", "server", "robot", "sim/avr_robot", ".git"):
         (tmp_path / folder).mkdir(parents=True, exist_ok=True)
-    for package in ("server", "robot", "sim"):
+    for package in ("server", "robot", "sim", "laser_bot_battle/src/laser_bot_battle"):
+        (tmp_path / package).mkdir(parents=True, exist_ok=True)
         (tmp_path / package / "__init__.py").touch()
     name, content = FAULTS[linter]
     fault = tmp_path / name

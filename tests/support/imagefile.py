@@ -8,6 +8,8 @@ from functools import cache
 
 from tests.support.programs import ROOT
 
+IMAGES = ("webserver", "rosberry", "sim")
+
 
 @dataclass
 class ImageConfig:

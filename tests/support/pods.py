@@ -117,10 +117,14 @@ class Pod:
         if "exec" in how:
             words = ["docker", "exec", self.containers[name], *how["exec"]["command"]]
             return subprocess.run(words, capture_output=True, timeout=60, check=False).returncode == 0
-        (port,) = [each for each in container["ports"] if each["name"] == how["httpGet"]["port"]]
-        connection = http.client.HTTPConnection(self.address, port["containerPort"], timeout=how["timeoutSeconds"])
+        place = how.get("httpGet") or how["tcpSocket"]
+        (port,) = [each["containerPort"] for each in container["ports"] if each["name"] == place["port"]]
+        connection = http.client.HTTPConnection(self.address, port, timeout=how["timeoutSeconds"])
         try:
-            connection.request("GET", how["httpGet"]["path"])
+            connection.connect()
+            if "tcpSocket" in how:
+                return True
+            connection.request("GET", place["path"])
             return 200 <= connection.getresponse().status < 400
         except OSError:
             return False

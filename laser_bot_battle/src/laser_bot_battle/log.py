@@ -10,6 +10,7 @@ def configure_logging(level: str) -> None:
     Call it again after `rospy.init_node`, which puts handlers of its own in place (a file, and a second stream).
     """
     handler = logging.StreamHandler(sys.stderr)
+    handler.addFilter(_name_program)
     handler.addFilter(_shorten_ros)
     logging.basicConfig(
         level=level.upper(),
@@ -20,6 +21,14 @@ def configure_logging(level: str) -> None:
     logging.getLogger("rosout").handlers.clear()
     for noisy in ("rospy", "rosgraph", "rosout", "waitress.queue"):
         logging.getLogger(noisy).setLevel(logging.WARNING)
+
+
+def _name_program(record: logging.LogRecord) -> bool:
+    """A line of the program's own module bears its name: the programs of a robot share one stderr."""
+    spec = sys.modules["__main__"].__spec__
+    if record.name == "__main__" and spec:
+        record.name = spec.name.removesuffix(".__main__")
+    return True
 
 
 def _shorten_ros(record: logging.LogRecord) -> bool:

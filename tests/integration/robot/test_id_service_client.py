@@ -48,7 +48,7 @@ def serial_node(program: Program, robot_id: int) -> int:
 def test_a_robot_registers_once_its_arduino_answers_and_pings_with_its_id(
     ids: IdService, web: WebServer, device: Device, robot: Program
 ) -> None:
-    robot.wait_for("New robot ID = 0")
+    robot.wait_for(" INFO robot.id_service_client: New robot ID = 0\n")
     robot.wait_for("/Robot0/command")
     until(lambda: len(web.pings) >= 10)
     times = [when for when, _, _ in web.pings[:10]]

@@ -249,7 +249,8 @@ def test_a_log_line_of_the_sketch_and_a_broken_message_are_logged(start: Start, 
     with Device(tmp_path / "tty", publishers=(string,)) as device:
         node = serve(start, device.path, 28)
         device.send(encode(7, b"\x02" + struct.pack("<I", 7) + b"low bat"))
-        node.wait_for("robot.arduino: low bat")
+        node.wait_for(" INFO robot.serial_node: /Robot28 serves ")
+        node.wait_for(" WARNING robot.arduino: low bat\n")
         device.send(encode(126, b"\xff\xff\xff"))
         node.wait_for("message of 3 bytes on /name dropped")
 

@@ -1,13 +1,17 @@
 """Clients that send nonsense, too much, or do not read: they cost the others nothing."""
 
+import asyncio
 import json
 import socket
 import time
 from collections.abc import Callable
 
 import pytest
+from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
+from server.rosbridge.connection import Connection
+from server.rosbridge.outbox import MAX_BYTES
 from tests.integration.rosbridge.conftest import Rosbridge
 from tests.integration.rosbridge.ends import FORWARD, NEUTRAL, Client, RosSide, player
 from tests.integration.rosbridge.mute import MuteClient
@@ -73,17 +77,17 @@ def test_the_log_is_not_flooded(rosbridge: Rosbridge, client: Connect) -> None:
 def test_a_silent_line_stops_the_robot_and_is_closed(rosbridge: Rosbridge, ros: RosSide) -> None:
     """Half-open: the browser's machine has lost its network, no FIN ever comes."""
     ros.listen("/Robot4/command")
-    with MuteClient(rosbridge.port, "token of di") as di:
+    with MuteClient(rosbridge.port, "token-of-di") as di:
 
         def arrives() -> bool:
-            ros.status(2, player("di", "token of di", 4))
+            ros.status(2, player("di", "token-of-di", 4))
             di.say("publish", topic="/Robot4/command", msg=FORWARD)
             return FORWARD in ros.heard("/Robot4/command")
 
         until(arrives)
 
         def stopped() -> bool:
-            ros.status(2, player("di", "token of di", 4))
+            ros.status(2, player("di", "token-of-di", 4))
             return ros.heard("/Robot4/command")[-1] == NEUTRAL
 
         until(stopped, 12, "a neutral command, and with it the end of the line")
@@ -128,6 +132,29 @@ def test_a_client_that_asks_and_does_not_read_is_given_up(rosbridge: Rosbridge) 
             return mute.given_up
 
         until(given_up, 15, "the end of the client that does not read")
+
+
+def test_messages_for_a_client_that_was_given_up_are_dropped(caplog: pytest.LogCaptureFixture) -> None:
+    closed = asyncio.Event()
+
+    async def fill(websocket: ServerConnection) -> None:
+        connection = Connection(websocket)
+        for _ in range(4):
+            connection.message("/fat", "x" * MAX_BYTES, 10)
+        await websocket.wait_closed()
+        connection.message("/fat", "late", 10)
+        closed.set()
+
+    async def give_up() -> None:
+        async with asyncio.timeout(10), serve(fill, "127.0.0.1", 0) as server:
+            (_, port) = server.sockets[0].getsockname()
+            with await asyncio.to_thread(MuteClient, port):
+                await closed.wait()
+
+    asyncio.run(give_up())
+    assert [record.message.partition(": ")[2] for record in caplog.records if "given up" in record.message] == [
+        "given up, it does not read what it has asked for"
+    ]
 
 
 def resident(rosbridge: Rosbridge) -> int:

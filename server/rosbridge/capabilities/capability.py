@@ -1,25 +1,20 @@
-"""What every family of operations has in common."""
-
-from __future__ import annotations
+"""What every capability has in common."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
+from server.rosbridge.context import Context
 from server.rosbridge.effects import Effect
 from server.rosbridge.wire import Request
-
-if TYPE_CHECKING:
-    from server.rosbridge.protocol import Session
 
 Handler = Callable[[Request, float], list[Effect]]  # (request, monotonic time in s); RequestError refuses the request
 
 
-class Family(ABC):
+class Capability(ABC):
     """Operations that belong together, and what one client has open through them."""
 
-    def __init__(self, session: Session) -> None:
-        self.session = session
+    def __init__(self, client: Context) -> None:
+        self.client = client
 
     @abstractmethod
     def handlers(self) -> Mapping[str, Handler]:

@@ -1,4 +1,4 @@
-"""Sessions without ROS or socket, and what they answer."""
+"""Clients without ROS or socket, and what they are answered."""
 
 import hashlib
 import json
@@ -8,9 +8,9 @@ from laser_bot_battle.msg import GameStatus, UserStatus
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Log, Send
-from server.rosbridge.gate import OPERATOR, Gate, Identity, battle_of
+from server.rosbridge.gate import OPERATOR, Gate, Identity
 from server.rosbridge.graph import Graph
-from server.rosbridge.protocol import Session
+from server.rosbridge.protocol import Client
 
 # As roslib sends them.
 ADVERTISE = (
@@ -21,28 +21,28 @@ PUBLISH = (
     '{"op":"publish","id":"publish:/Robot3/command:2","topic":"/Robot3/command",'
     '"msg":{"linear_x":1,"angular_z":-1,"shoot":false},"latch":false}'
 )
-TOKEN = "the token of al"
+TOKEN = "the token-of-al"
 
 
 class Server:
-    """All that sessions share."""
+    """All that clients share."""
 
     def __init__(self) -> None:
         self.gate, self.drivers, self.graph, self.types = Gate("secret"), Drivers(), Graph(), Types()
 
-    def session(self, identity: Identity = OPERATOR) -> Session:
-        return Session(self.gate, self.drivers, self.graph, self.types, identity)
+    def client(self, identity: Identity = OPERATOR) -> Client:
+        return Client(self.gate, self.drivers, self.graph, self.types, identity)
 
-    def battle(self, now: float = 0.0, game: int = 2, robot: int = 3, name: str = "al") -> None:
+    def battle(self, now: float = 0.0, game: int = GameStatus.PLAYING, robot: int = 3, name: str = "al") -> None:
         """al, or who else is named, fights with a robot."""
         session = hashlib.sha256(TOKEN.encode()).hexdigest()
         users = [UserStatus(name=name, robot=robot, life=100, ready=True, session=session)]
-        self.gate.update(battle_of(GameStatus(game=game, users=users)), now)
+        self.gate.update(GameStatus(game=game, users=users), now)
 
 
-def say(session: Session, now: float = 0.0, **fields: Any) -> list[Effect]:
+def say(client: Client, now: float = 0.0, /, **fields: Any) -> list[Effect]:
     """The effects of a request, log lines apart."""
-    return without_log(session.receive(json.dumps(fields), now))
+    return without_log(client.receive(json.dumps(fields), now))
 
 
 def without_log(effects: list[Effect]) -> list[Effect]:

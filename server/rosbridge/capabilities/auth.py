@@ -7,36 +7,35 @@ operator's token. The further fields of the protocol (dest, rand, t, level, end)
 import hmac
 from collections.abc import Mapping
 
+from server.rosbridge.capabilities.capability import Capability, Handler
+from server.rosbridge.context import SIGN_UP_GRACE, Claim
 from server.rosbridge.effects import Effect
-from server.rosbridge.gate import OPERATOR, PATIENCE, Claim, session_identity
-from server.rosbridge.ops.family import Family, Handler
+from server.rosbridge.gate import OPERATOR, session_identity
 from server.rosbridge.wire import Request
 
 
-class Auth(Family):
+class Auth(Capability):
     def handlers(self) -> Mapping[str, Handler]:
         return {"auth": self.auth}
 
     def auth(self, request: Request, now: float) -> list[Effect]:
         name, token = request.text("client"), request.text("mac")
         # a player may bear this name too: a token that is not the operator's may still be the player's
-        if name == "operator" and self.session.gate.is_operator_token(token):
-            self.session.claim, self.session.identity = None, OPERATOR
+        if name == "operator" and self.client.gate.is_operator_token(token):
+            self.client.claim, self.client.identity = None, OPERATOR
             return []
-        self.session.claim = Claim(name, session_identity(token), request.id, now + PATIENCE)
+        self.client.claim = Claim(name, session_identity(token), request.id, now + SIGN_UP_GRACE)
         return self.updated(now)
 
     def updated(self, now: float) -> list[Effect]:
-        claim = self.session.claim
+        claim = self.client.claim
         if claim is None:
             return []
-        player = self.session.gate.player(claim.who)
-        if player is not None and hmac.compare_digest(player.name.encode(), claim.name.encode(errors="replace")):
-            self.session.identity = claim.who
-        elif player is None and now < claim.until:
+        player = self.client.gate.player(claim.identity)
+        if player is None and now < claim.until:
             return []
-        else:
-            self.session.claim = None
-            return self.session.report("error", "nobody of this name has this token", now, claim.id)
-        self.session.claim = None
-        return []
+        self.client.claim = None
+        if player is not None and hmac.compare_digest(player.name.encode(), claim.name.encode(errors="replace")):
+            self.client.identity = claim.identity
+            return []
+        return self.client.report("error", "nobody of this name has this token", now, claim.id)
