@@ -6,6 +6,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 
 from tests.integration.robot.device import Device
@@ -24,20 +25,13 @@ def robot(settings: dict[str, str]) -> Iterator[Program]:
     yield program
     if program.running:
         program.stop()
-    assert not children(program)
 
 
-def children(program: Program, word: str = "robot.") -> list[int]:
+def children(program: Program, word: str) -> list[int]:
     """Process IDs of running programs that `program` has started, by a word of their command line."""
-    found = []
-    for entry in Path("/proc").glob("[0-9]*"):
-        try:
-            parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
-            if parent == program.process.pid and word.encode() in (entry / "cmdline").read_bytes():
-                found.append(int(entry.name))
-        except OSError:
-            continue
-    return found
+    pid = program.process.pid
+    found = psutil.process_iter(["ppid", "cmdline"])
+    return [one.pid for one in found if one.info["ppid"] == pid and word in " ".join(one.info["cmdline"] or [])]
 
 
 def serial_node(program: Program, robot_id: int) -> int:
