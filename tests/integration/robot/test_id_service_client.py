@@ -45,8 +45,6 @@ def test_a_robot_registers_once_its_arduino_answers_and_pings_with_its_id(
     robot.wait_for(" INFO robot.id_service_client: New robot ID = 0\n")
     robot.wait_for("/Robot0/command")
     until(lambda: len(web.pings) >= 10)
-    times = [when for when, _, _ in web.pings[:10]]
-    assert 3.2 < times[9] - times[0] < 6
     assert {body for _, _, body in web.pings} == {"ID=0"}
     assert ids.callers == ["/id_service_client_test_robot_1"]
 
@@ -182,18 +180,14 @@ def test_a_signal_ends_everything_quickly_and_cleanly(
     ids: IdService, web: WebServer, robot: Program, number: signal.Signals
 ) -> None:
     robot.wait_for("/Robot0/command")
-    begun = time.monotonic()
-    assert robot.stop(number) == 0
-    assert time.monotonic() - begun < 2
+    assert robot.stop(number, seconds=2) == 0
     assert "Traceback" not in robot.output
 
 
 def test_a_signal_ends_it_while_it_asks_the_arduino(device: Device, robot: Program) -> None:
     device.answers = False
     until(lambda: device.topic_requests)
-    begun = time.monotonic()
-    assert robot.stop() == 0
-    assert time.monotonic() - begun < 2
+    assert robot.stop(seconds=2) == 0
     assert "Traceback" not in robot.output
 
 
