@@ -5,6 +5,8 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
+
 from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
 from laser_bot_battle.srv import AddNewRobot
 from server.game.snapshot import Game
@@ -32,6 +34,7 @@ def test_a_command_is_three_bytes_on_the_wire(tmp_path: Path) -> None:
     assert wire.read_bytes() == b"\xff\x01\x01"
 
 
+@pytest.mark.slow
 def test_catkin_make_builds_the_same_messages(tmp_path: Path) -> None:
     shutil.copytree(ROOT / "laser_bot_battle", tmp_path / "src" / "laser_bot_battle")
     built = subprocess.run(
