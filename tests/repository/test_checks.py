@@ -77,6 +77,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linter", FAULTS)
 def test_a_linter_finds_a_fault(linter: str, tmp_path: Path) -> None:
     """In a folder that has the tools and the settings, but no sources but the faulty one."""

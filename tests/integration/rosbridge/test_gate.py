@@ -6,12 +6,13 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
+from laser_bot_battle.msg import GameStatus
 from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, NEUTRAL, Client, RosSide, player
 from tests.support.polling import until
 from tests.support.ros import RosMaster
 
 AL, BO = player("al", "token-of-al", 0), player("bo", "token-of-bo", 1)
-STOPPED, PLAYING = 0, 2
+STOPPED, PLAYING = GameStatus.STOPPED, GameStatus.PLAYING
 
 Connect = Callable[..., Client]
 

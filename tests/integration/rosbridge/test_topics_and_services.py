@@ -128,7 +128,7 @@ def test_a_failed_service_call_says_why(ros: RosSide, client: Connect, service: 
 def test_a_slow_service_is_waited_for_no_longer_than_asked_and_blocks_nobody(ros: RosSide, client: Connect) -> None:
     operator = client().operate()
     for number in range(16):
-        operator.say("call_service", service="/slow", id=number, timeout=1)
+        operator.say("call_service", service="/slow", id=number, timeout=2)
     operator.say("call_service", service="/add_new_robot", id="one too many")
     assert "16 service calls" in operator.hear_error()
     assert operator.hear()["id"] == "one too many"
@@ -136,10 +136,10 @@ def test_a_slow_service_is_waited_for_no_longer_than_asked_and_blocks_nobody(ros
     start = time.monotonic()
     other.say("call_service", service="/add_new_robot")
     assert other.hear()["result"] is True
-    assert time.monotonic() - start < 0.9
+    assert time.monotonic() - start < 1.9
     answers = [operator.hear() for _ in range(32)]
     assert [a["id"] for a in answers if a["op"] == "service_response"] == list(range(16))
-    assert {a["values"] for a in answers if a["op"] == "service_response"} == {"no response within 1 s"}
+    assert {a["values"] for a in answers if a["op"] == "service_response"} == {"no response within 2 s"}
 
 
 def test_a_robot_that_hangs_delays_nobody_and_is_driven_again_when_it_is_back(
