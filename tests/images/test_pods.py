@@ -5,6 +5,7 @@ import os
 import stat
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 import requests
@@ -28,7 +29,7 @@ def manifests(version: str, tmp_path_factory: pytest.TempPathFactory) -> Manifes
     up = os.path.relpath(ROOT / "k3s", folder)
     ports = [f"{name}={number}" for name, number in free_node_ports().items()]
     rules = ["LASERBOT_HIT_DAMAGE=40", "LASERBOT_COUNTDOWN=1"]
-    content = {
+    content: dict[str, Any] = {
         "resources": [f"{up}/overlays/sim"],
         "components": [f"{up}/components/node-ports"],
         "configMapGenerator": [
@@ -167,7 +168,7 @@ def arduino(tmp_path: Path) -> Iterator[str]:
     """The path of a serial line with the firmware behind it, of the group that a Raspberry Pi's has."""
     line = tmp_path / "ttyACM0"
     words = ["--firmware", ROOT / "build/firmware/laserbot.elf", "--name", "raspberrypi1", "--serial", line]
-    program = Program([ROOT / "build/sim/avr_robot", *words])
+    program = Program([str(word) for word in (ROOT / "build/sim/avr_robot", *words)])
     program.wait_for("UART at")
     device = os.path.realpath(line)
     os.chown(device, 0, 20)

@@ -79,7 +79,7 @@ def usage(program: str, *arguments: str) -> str:
     """The program's --help."""
     here = {
         "python3": [sys.executable],
-        "avr_robot": [ROOT / "build/sim/avr_robot"],
+        "avr_robot": [str(ROOT / "build/sim/avr_robot")],
         "rosmaster": ["/usr/bin/python3", "/usr/bin/rosmaster"],
     }
     words = [*here[program], *arguments, "--help"]

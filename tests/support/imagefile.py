@@ -57,7 +57,8 @@ def platforms(image: str) -> set[str]:
     text = (ROOT / "docker-bake.hcl").read_text()
     block = re.search(rf'^target "{image}" {{\n(.*?)^}}', text, re.MULTILINE | re.DOTALL)
     assert block, image
-    return set(json.loads(re.search(r"platforms = (\[.*\])", block[1])[1]))
+    (found,) = re.findall(r"platforms = (\[.*\])", block[1])
+    return set(json.loads(found))
 
 
 def folders(image: str) -> set[str]:
@@ -71,4 +72,5 @@ def folders(image: str) -> set[str]:
 def version() -> str:
     """The images' tag."""
     text = (ROOT / "laser_bot_battle/package.xml").read_text()
-    return str(re.search(r"<version>(.*)</version>", text)[1])
+    (found,) = re.findall(r"<version>(.*)</version>", text)
+    return str(found)
