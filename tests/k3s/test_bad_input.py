@@ -73,7 +73,7 @@ def test_a_wrong_value_in_the_kustomization_is_named_by_the_program(
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("robot", "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB): must be a number"),
+        ("robot", "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB): must be a whole number"),
         ("arduino", "--arena $(ARENA_SERVICE_HOST):$(ARENA_SERVICE_PORT_LINK): the port must be a number"),
     ],
 )

@@ -44,7 +44,7 @@ def test_a_robot_registers_once_its_arduino_answers_and_pings_with_its_id(
 ) -> None:
     robot.wait_for(" INFO robot.id_service_client: New robot ID = 0\n")
     robot.wait_for("/Robot0/command")
-    until(lambda: len(web.pings) >= 10)
+    until(lambda: len(web.pings) >= 3)
     assert {body for _, _, body in web.pings} == {"ID=0"}
     assert ids.callers == ["/id_service_client_test_robot_1"]
 

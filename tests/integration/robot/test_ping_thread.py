@@ -25,7 +25,7 @@ def outages(caplog: pytest.LogCaptureFixture) -> int:
     return caplog.text.count("Connection to webserver lost")
 
 
-@pytest.mark.slow
+@pytest.mark.slow  # the time is real
 def test_a_ping_says_the_id_every_400_ms(web: WebServer, pings: PingThread) -> None:
     until(lambda: len(web.pings) >= 6)
     times, paths, bodies = zip(*web.pings[:6], strict=True)
