@@ -6,6 +6,7 @@ import stat
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 import requests
@@ -29,7 +30,7 @@ def manifests(version: str, tmp_path_factory: pytest.TempPathFactory) -> Manifes
     up = os.path.relpath(ROOT / "k3s", folder)
     ports = [f"{name}={number}" for name, number in free_node_ports().items()]
     rules = ["LASERBOT_HIT_DAMAGE=40", "LASERBOT_COUNTDOWN=1"]
-    content = {
+    content: dict[str, Any] = {
         "resources": [f"{up}/overlays/sim"],
         "components": [f"{up}/components/node-ports"],
         "configMapGenerator": [

@@ -122,7 +122,7 @@ class Kubelet:
 
     def _value(self, variable: Object, found: dict[str, str]) -> str | None:
         if "value" in variable:
-            return expand(variable["value"], self._links | found)
+            return expand(variable["value"], {**self._links, **found})
         source = variable["valueFrom"]
         if "fieldRef" in source:
             return self._fields[source["fieldRef"]["fieldPath"]]
