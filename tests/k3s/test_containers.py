@@ -1,5 +1,6 @@
 """Every container of the manifests against its image and its program."""
 
+import os
 import re
 import subprocess
 import sys
@@ -83,7 +84,8 @@ def usage(program: str, *arguments: str) -> str:
         "rosmaster": ["/usr/bin/python3", "/usr/bin/rosmaster"],
     }
     words = [*here[program], *arguments, "--help"]
-    return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}/build/python"}
+    return subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, check=True).stdout
 
 
 @every_container
