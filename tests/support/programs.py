@@ -10,7 +10,7 @@ import weakref
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from tests.support.polling import until
+from tests.support.polling import patience, until
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -49,7 +49,7 @@ class Program:
     def running(self) -> bool:
         return self.process.poll() is None
 
-    def wait_for(self, text: str, seconds: float = 15.0) -> str:
+    def wait_for(self, text: str, seconds: float = 30.0) -> str:
         """Wait until the output contains `text`; AssertionError with the output if it ends or is late."""
 
         def seen() -> bool:
@@ -69,7 +69,7 @@ class Program:
         if self.running:
             self.process.send_signal(sig)
         try:
-            code = self.process.wait(seconds)
+            code = self.process.wait(seconds * patience())
         except subprocess.TimeoutExpired:
             os.killpg(self.process.pid, signal.SIGKILL)
             self.process.wait()

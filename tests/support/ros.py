@@ -65,3 +65,11 @@ def ros_master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RosMaster]:
         yield master
     finally:
         master.stop()
+
+
+@pytest.fixture
+def own_master(tmp_path: Path) -> Iterator[RosMaster]:
+    """A master, not started yet, that the test may stop and start."""
+    master = RosMaster(tmp_path / "ros")
+    yield master
+    master.stop()

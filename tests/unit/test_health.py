@@ -16,7 +16,7 @@ def health(file: Path) -> tuple[int, str]:
     """Exit code and words, where there is no program but these: an interpreter takes seconds on a busy machine."""
     programs = file.parent / "bin"
     programs.mkdir()
-    for name in ("tr", "stat", "date"):
+    for name in ("stat", "date"):
         (programs / name).symlink_to(str(shutil.which(name)))
     environment = {"PATH": str(programs), "LASERBOT_ALIVE_FILE": str(file)}
     result = subprocess.run([ROOT / "images/health"], env=environment, capture_output=True, text=True, check=False)

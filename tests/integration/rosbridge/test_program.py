@@ -108,28 +108,28 @@ def test_it_waits_for_the_master_and_can_be_stopped_meanwhile() -> None:
     assert "Traceback" not in program.output
 
 
-def test_it_fails_when_the_master_was_restarted_so_that_it_is_started_again(ros_master: RosMaster) -> None:
-    rosbridge = Rosbridge(ros_master)
+def test_it_fails_when_the_master_was_restarted_so_that_it_is_started_again(own_master: RosMaster) -> None:
+    own_master.start()
+    rosbridge = Rosbridge(own_master)
     rosbridge.program.wait_for("listening")
-    ros_master.stop()
-    ros_master.start()
+    own_master.stop()
+    own_master.start()
     assert rosbridge.program.process.wait(10) == 1
     assert "to be started again" in rosbridge.program.output
     assert "Traceback" not in rosbridge.program.output
 
 
-def test_a_master_that_hangs_does_not_end_it_nor_hold_it() -> None:
-    port = free_port()
-    master = Program([sys.executable, "/usr/bin/rosmaster", "--core", "-p", str(port)])
-    program = start(ROS_MASTER_URI=f"http://127.0.0.1:{port}", LASERBOT_ROSBRIDGE_PORT=str(free_port()))
+def test_a_master_that_hangs_does_not_end_it_nor_hold_it(own_master: RosMaster) -> None:
+    own_master.start()
+    rosbridge = Rosbridge(own_master)
+    rosbridge.program.wait_for("listening")
+    own_master.pause()
     try:
-        program.wait_for("listening")
-        master.process.send_signal(signal.SIGSTOP)
-        program.wait_for("does not answer")
-        assert program.stop(signal.SIGTERM, seconds=3) == 0
+        rosbridge.program.wait_for("does not answer")
+        assert rosbridge.program.stop(signal.SIGTERM, seconds=3) == 0
     finally:
-        program.kill()
-        master.kill()
+        own_master.resume()
+        rosbridge.program.kill()
 
 
 def test_a_port_in_use_is_one_clear_line(ros_master: RosMaster) -> None:

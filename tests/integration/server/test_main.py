@@ -2,7 +2,6 @@
 
 import signal
 import socket
-import time
 
 import pytest
 import requests
@@ -13,12 +12,10 @@ from tests.support.programs import Program
 
 
 @pytest.mark.parametrize("sig", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it_cleanly_within_two_seconds(server, sig):
+def test_a_signal_ends_it_cleanly(server, sig):
     server.robot("a")
     ada = server.player("ada")
-    began = time.monotonic()
-    assert server.program.stop(sig) == 0
-    assert time.monotonic() - began < 2
+    assert server.program.stop(sig, seconds=2) == 0
     assert "Traceback" not in server.program.output
     ada.close()
 
