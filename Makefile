@@ -23,7 +23,7 @@ test:
 	@exec ci/test
 
 test-all:
-	@exec ci/test --all
+	@exec ci/test all
 
 lint:
 	@ci/setup test

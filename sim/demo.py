@@ -113,6 +113,7 @@ class Demo:
             tail = self.log.read_text(errors="replace").splitlines()[-15:]
             raise DemoError("\n  ".join([f"the demo has ended by itself. The end of {self.log}:", *tail]))
         if self.master.poll() is not None:
+            say("The ROS master has ended: starting it again.")
             self.master = self.start_master()
 
     def steps(self) -> dict[str, Callable[[], bool]]:

@@ -11,7 +11,6 @@ import signal
 import socket
 import statistics
 import subprocess
-import sys
 import tempfile
 import threading
 import time
@@ -226,7 +225,7 @@ def stepper_speed(page: Page, robot: TracedRobot) -> None:
         )
 
 
-def cut(what: str, page: Page, robot: TracedRobot, sever: Callable[[], object], mend: Callable[[], object]) -> None:
+def cut(what: str, page: Page, robot: TracedRobot, sever: Callable[..., object], mend: Callable[..., object]) -> None:
     """From the cut to the last half-step, while the key is held."""
     times = []
     for _ in range(CUTS):
@@ -282,7 +281,7 @@ def main() -> None:
     started = time.monotonic()
     with (
         tempfile.TemporaryDirectory(prefix="laserbot-bench-") as folder,
-        Battle(robots=3, **rules) as battle,
+        Battle(3, 0, **rules) as battle,
         sync_playwright() as playwright,
     ):
         print(f"ci/demo --robots 3: ready after {time.monotonic() - started:.1f} s", flush=True)
@@ -294,4 +293,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -15,9 +15,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.programs import ROOT
 from tests.support.rehearsal import Rehearsal
+
+pytestmark = pytest.mark.slow
 
 PROGRAM = "/usr/local/bin/k3s"
 NOTES = "/var/tmp/k3s"

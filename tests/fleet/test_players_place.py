@@ -3,7 +3,7 @@
 import json
 import shlex
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.rehearsal import Rehearsal, ask_from
 
 OPEN = {"master": {5000, 9090}, "robots": set()}

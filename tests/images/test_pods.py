@@ -4,7 +4,9 @@ import json
 import os
 import stat
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 import requests
@@ -28,16 +30,14 @@ def manifests(version: str, tmp_path_factory: pytest.TempPathFactory) -> Manifes
     up = os.path.relpath(ROOT / "k3s", folder)
     ports = [f"{name}={number}" for name, number in free_node_ports().items()]
     rules = ["LASERBOT_HIT_DAMAGE=40", "LASERBOT_COUNTDOWN=1"]
-    content = {
+    content: dict[str, Any] = {
         "resources": [f"{up}/overlays/sim"],
         "components": [f"{up}/components/node-ports"],
         "configMapGenerator": [
-            {"name": "node-ports", "behavior": "merge", "literals": ports},
-            {"name": "settings", "behavior": "merge", "literals": rules},
+            {"name": name, "namespace": "laserbot", "behavior": "merge", "literals": literals}
+            for name, literals in {"node-ports": ports, "settings": rules}.items()
         ],
     }
-    for item in content["configMapGenerator"]:
-        item["namespace"] = "laserbot"
     (folder / "kustomization.yaml").write_text(yaml.safe_dump(content))
     built = Manifests(folder)
     assert {container["image"].split(":")[1] for _, container in built.containers} == {version}
@@ -101,7 +101,7 @@ def test_a_pod_that_is_older_than_the_services_ends_its_programs_until_they_are_
         pod = battle.pods[pod_name]
         pod.start(battle.manifests, {})
         for name, words in says.items():
-            until(lambda pod=pod, name=name: not pod.state(name)["Running"], 20, f"{name} ends")
+            until(partial(pod.has_ended, name), 20, f"{name} ends")
             assert pod.state(name)["ExitCode"] == 2
             assert words in pod.logs(name)
     assert len(battle.restart_what_ended()) == 3
@@ -166,8 +166,8 @@ def test_without_privilege_the_device_is_refused(robot_with_a_device: Pod) -> No
 def arduino(tmp_path: Path) -> Iterator[str]:
     """The path of a serial line with the firmware behind it, of the group that a Raspberry Pi's has."""
     line = tmp_path / "ttyACM0"
-    words = ["--firmware", ROOT / "build/firmware/laserbot.elf", "--name", "raspberrypi1", "--serial", line]
-    program = Program([ROOT / "build/sim/avr_robot", *words])
+    words = ["--firmware", f"{ROOT}/build/firmware/laserbot.elf", "--name", "raspberrypi1", "--serial", str(line)]
+    program = Program([f"{ROOT}/build/sim/avr_robot", *words])
     program.wait_for("UART at")
     device = os.path.realpath(line)
     os.chown(device, 0, 20)

@@ -1,7 +1,6 @@
 """roles/fleet/tasks/battle.yml: which hosts a playbook may take out of service now."""
 
 import json
-import subprocess
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,22 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.local_play import play_role, recap
 from tests.support.ports import free_port
-from tests.support.programs import ROOT
 
 STOPPED, COUNTDOWN, PLAYING = 0, 1, 2
-INVENTORY = """
-all: {vars: {ansible_connection: local, ansible_python_interpreter: "{{ ansible_playbook_python }}"}}
-master: {hosts: {laser_bot_master: {}}}
-robots: {hosts: {raspberrypi1: {}, raspberrypi2: {}}}
-"""
-PLAY = """
-- hosts: all
-  gather_facts: false
-  tasks:
-    - ansible.builtin.include_role: {name: fleet, tasks_from: battle.yml}
-      vars: {fleet_tries: 1}
-"""
 
 
 @contextmanager
@@ -54,30 +41,10 @@ def server(game: int) -> Iterator[int]:
 
 def refused(port: int, folder: Path) -> set[str]:
     """The hosts that are left alone."""
-    (folder / "hosts.yml").write_text(INVENTORY)
-    (folder / "play.yml").write_text(PLAY)
-    run = subprocess.run(
-        [
-            ROOT / ".venv/bin/ansible-playbook",
-            f"--inventory={folder}/hosts.yml",
-            f"--extra-vars=fleet_web_port={port}",
-            folder / "play.yml",
-        ],
-        env={
-            "PATH": "/usr/bin:/bin",
-            "ANSIBLE_CONFIG": str(ROOT / "ansible/ansible.cfg"),
-            "ANSIBLE_STRATEGY_PLUGINS": str(ROOT / "ansible/strategy_plugins"),
-            "ANSIBLE_HOME": str(folder / "home"),
-            "ANSIBLE_LOCAL_TEMP": str(folder / "home/tmp"),
-            "ANSIBLE_NOCOLOR": "1",
-        },
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    rows = [line.split() for line in run.stdout.partition("PLAY RECAP")[2].splitlines() if "failed=" in line]
+    run = play_role("fleet", "battle", f"fleet_web_port: {port}\nfleet_tries: 1\n", folder)
+    rows = recap(run.stdout)
     assert len(rows) == 3, run.stdout + run.stderr
-    return {row[0] for row in rows if "failed=0" not in row}
+    return {host for host, row in rows.items() if row["failed"]}
 
 
 @pytest.mark.parametrize(

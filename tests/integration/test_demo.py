@@ -9,7 +9,7 @@ import pytest
 import requests
 
 from tests.support.battle import PORTS, Battle, command_line, descendants
-from tests.support.play import obeys, start
+from tests.support.play import PLAYING, obeys, reconnect, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -104,10 +104,13 @@ def test_everybody_finds_the_way_back_after_the_ros_master_is_killed_in_a_battle
             start(ann, ben)
             os.kill(first_master, signal.SIGKILL)
             until(lambda: players_and_free_robots(battle) == ([("Bot1", 2)], 2), 60, "a new battle can begin")
+            reconnect(ann)
         with Player(battle, "Cid") as cid, Eyes(battle) as eyes:
-            start(cid)  # and the bot
+            assert cid.ready() == "OK"
+            cid.wait_for_game(PLAYING, 30)  # the bot is ready when it has found rosbridge, too
             obeys(cid, eyes)
         assert battle.pid("rosmaster --core") != first_master
+        assert battle.program.output.count("The ROS master has ended: starting it again.") == 1
         below = descendants(battle.program.process.pid)
     assert [part for part in below if command_line(part)] == []
 

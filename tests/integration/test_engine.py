@@ -57,7 +57,7 @@ def start(command: str = "exec sleep 300", engine: str = ENGINE, **variables: st
 
 def folder(output: str) -> Path:
     """The private engine's, which is in the command lines of its processes."""
-    return Path(re.search(r"unix://(/tmp/laserbot-engine[^/]+)/", output)[1])
+    return Path(re.findall(r"unix://(/tmp/laserbot-engine[^/]+)/", output)[0])
 
 
 def processes_of(engine: Path) -> list[psutil.Process]:

@@ -114,7 +114,7 @@ def test_a_component_without_its_ports_is_refused(tmp_path: Path) -> None:
     up = os.path.relpath(ROOT / "k3s", tmp_path)
     content = {"resources": [f"{up}/overlays/lan"], "components": [f"{up}/components/node-ports"]}
     (tmp_path / "kustomization.yaml").write_text(yaml.safe_dump(content))
-    words = [ROOT / "ci/kubectl", "kustomize", tmp_path]
+    words = [str(ROOT / "ci/kubectl"), "kustomize", str(tmp_path)]
     result = subprocess.run(words, capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert "node-ports" in result.stderr

@@ -1,5 +1,6 @@
 """Every container of the manifests against its image and its program."""
 
+import os
 import re
 import subprocess
 import sys
@@ -79,11 +80,12 @@ def usage(program: str, *arguments: str) -> str:
     """The program's --help."""
     here = {
         "python3": [sys.executable],
-        "avr_robot": [ROOT / "build/sim/avr_robot"],
+        "avr_robot": [str(ROOT / "build/sim/avr_robot")],
         "rosmaster": ["/usr/bin/python3", "/usr/bin/rosmaster"],
     }
     words = [*here[program], *arguments, "--help"]
-    return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}/build/python"}
+    return subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, check=True).stdout
 
 
 @every_container

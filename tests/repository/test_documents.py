@@ -59,7 +59,7 @@ RUN_BY = {
         "make -C .. images ARCHIVE=build/images.tar": "tests/images/test_delivery.py"
         "::test_an_archive_carries_every_platform",
         "ansible-playbook -i inventory/mine deploy.yml --ask-vault-pass": "ci/fleet::play deploy",
-        "ansible-playbook -i inventory/mine check.yml --ask-vault-pass": "tests/fleet/test_playbooks.py"
+        "ansible-playbook -i inventory/mine check.yml --ask-vault-pass": "tests/fleet/test_deploy.py"
         "::test_the_operators_checks_pass",
     },
 }

@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from laser_bot_battle.variables import LASERBOT, table
+from tests.support.imagefile import version
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT
 
@@ -65,7 +66,6 @@ def test_every_folder_and_command_that_is_named_exists() -> None:
 
 
 def test_there_is_one_version() -> None:
-    version = re.search(r"<version>(.+)</version>", (ROOT / "laser_bot_battle/package.xml").read_text())[1]
-    assert set(re.findall(r"LASERBOT_VERSION:-([^}]+)}", COMPOSE)) == {version}
-    assert json.loads((ROOT / "package.json").read_text())["version"] == version
-    assert json.loads((ROOT / "package-lock.json").read_text())["version"] == version
+    assert set(re.findall(r"LASERBOT_VERSION:-([^}]+)}", COMPOSE)) == {version()}
+    assert json.loads((ROOT / "package.json").read_text())["version"] == version()
+    assert json.loads((ROOT / "package-lock.json").read_text())["version"] == version()

@@ -42,7 +42,8 @@ def test_a_release_is_firmware_lists_of_contents_notes_and_checksums(built: Path
     files = {path.name: path for path in (built / "build/release").iterdir()}
     checked = {"laserbot-2.3.4.hex", *(f"{image}-2.3.4.cdx.json" for image in IMAGES)}
     assert set(files) == checked | {"SHA256SUMS.txt", "notes.md"}
-    sums = dict(reversed(line.split("  ")) for line in files["SHA256SUMS.txt"].read_text().splitlines())
+    lines = [line.split("  ") for line in files["SHA256SUMS.txt"].read_text().splitlines()]
+    sums = {name: digest for digest, name in lines}
     assert sums == {name: hashlib.sha256(files[name].read_bytes()).hexdigest() for name in checked}
     assert files["notes.md"].read_text().split() == ["-", "New."]
 

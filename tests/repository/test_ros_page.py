@@ -1,12 +1,12 @@
 """docs/protocol-ros.md against the messages of the package and against a running battle."""
 
 import re
-import xmlrpc.client
 from collections.abc import Iterator
 
 import pytest
 from std_msgs.msg import Empty
 
+from laser_bot_battle.master import Master
 from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
 from laser_bot_battle.srv import AddNewRobot
 from tests.support.battle import Battle
@@ -39,35 +39,34 @@ def test_the_definitions_are_those_of_the_package() -> None:
         assert fields(definition) == fields(path.read_text()), name
 
 
-class Master:
+class Registrations:
     """What a running battle of one robot and its player has registered with the ROS master; the robot's ID is 0."""
 
     def __init__(self, port: int) -> None:
-        self._uri = f"http://127.0.0.1:{port}"
+        self._master = Master(f"http://127.0.0.1:{port}", "/test")
 
     def registered(self, kind: int) -> set[tuple[str, str]]:
         """(topic or service, node): publishers for `kind` 0, subscribers for 1, services for 2."""
-        with xmlrpc.client.ServerProxy(self._uri) as master:
-            entries = master.getSystemState("/test")[2][kind]
+        entries = self._master.call("getSystemState")[kind]
         return {(name, node) for name, nodes in entries if not USUAL.fullmatch(name) for node in nodes}
 
     def topic_types(self) -> dict[str, str]:
-        with xmlrpc.client.ServerProxy(self._uri) as master:
-            return {name: kind for name, kind in master.getTopicTypes("/test")[2] if not USUAL.fullmatch(name)}
+        types = self._master.call("getTopicTypes")
+        return {name: kind for name, kind in types if not USUAL.fullmatch(name)}
 
 
 @pytest.fixture(scope="module")
-def master() -> Iterator[Master]:
+def master() -> Iterator[Registrations]:
     with Battle(robots=1) as battle, Player(battle, "Ann") as ann:
         assert ann.robot == 0
-        yield Master(battle.ports["LASERBOT_ROS_PORT"])
+        yield Registrations(battle.ports["LASERBOT_ROS_PORT"])
 
 
 def of_robot_0(name: str) -> str:
     return name.replace("<ID>", "0")
 
 
-def test_the_topics_are_those_of_a_battle(master: Master) -> None:
+def test_the_topics_are_those_of_a_battle(master: Registrations) -> None:
     rows = table(PAGE, "Topics")
     publishers = {(of_robot_0(row["topic"]), of_robot_0(row["from"])) for row in rows}
     subscribers = {(of_robot_0(row["topic"]), of_robot_0(row["to"])) for row in rows}
@@ -77,7 +76,7 @@ def test_the_topics_are_those_of_a_battle(master: Master) -> None:
     assert master.topic_types() == {of_robot_0(row["topic"]): row["type"] for row in rows}
 
 
-def test_the_services_are_those_of_a_battle(master: Master) -> None:
+def test_the_services_are_those_of_a_battle(master: Registrations) -> None:
     rows = table(PAGE, "Services")
     assert master.registered(2) == {(row["service"], row["of"]) for row in rows}
     assert {row["type"] for row in rows} == {AddNewRobot._type}

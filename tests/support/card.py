@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.rehearsal import docker, outside
 
 # What is different on each host, or is left by Debian's packages when they are purged: backups.

@@ -10,6 +10,7 @@ import json
 import re
 import subprocess
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -106,7 +107,7 @@ class Pod:
 
     def _host_path(self, volume: Object) -> Path:
         """Instead of the host's own folder, one of this test's."""
-        path = self._folder / volume["hostPath"]["path"].lstrip("/")
+        path = Path(self._folder, str(volume["hostPath"]["path"]).lstrip("/"))
         path.mkdir(parents=True, exist_ok=True)
         return path
 
@@ -134,12 +135,15 @@ class Pod:
     def wait_until_ready(self, seconds: float = 60.0) -> None:
         for name in self.containers:
             try:
-                until(lambda name=name: self.passes(name, "readinessProbe"), seconds, f"{self.name}/{name} is ready")
+                until(partial(self.passes, name, "readinessProbe"), seconds, f"{self.name}/{name} is ready")
             except AssertionError as error:
                 raise AssertionError(f"{error}\n{self.logs(name)}") from None
 
     def state(self, name: str) -> Object:
         return dict(json.loads(docker("inspect", "--format", "{{json .State}}", self.containers[name])))
+
+    def has_ended(self, name: str) -> bool:
+        return not self.state(name)["Running"]
 
     def logs(self, name: str) -> str:
         words = ["docker", "logs", self.containers[name]]
@@ -211,7 +215,7 @@ class ClusterBattle:
 
     def restart_what_ended(self) -> list[str]:
         """As a kubelet does, but at once; the names of the containers."""
-        ended = [(pod, name) for pod in self.pods.values() for name in pod.containers if not pod.state(name)["Running"]]
+        ended = [(pod, name) for pod in self.pods.values() for name in pod.containers if pod.has_ended(name)]
         for pod, name in ended:
             pod.start_container(name, self.manifests, self.addresses)
         return [f"{pod.name}/{name}" for pod, name in ended]

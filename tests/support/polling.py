@@ -3,7 +3,7 @@
 import os
 import time
 from collections.abc import Callable
-from typing import TypeVar
+from typing import Literal, TypeVar
 
 T = TypeVar("T")
 
@@ -13,7 +13,7 @@ def patience() -> float:
     return max(1.0, os.getloadavg()[0] / len(os.sched_getaffinity(0)))
 
 
-def until(condition: Callable[[], T], seconds: float = 20.0, what: str = "") -> T:
+def until(condition: Callable[..., T | Literal[False] | None], seconds: float = 20.0, what: str = "") -> T:
     """Call `condition` until it returns something true and return that.
 
     AssertionError after `seconds` of a quiet machine.

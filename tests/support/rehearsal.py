@@ -10,7 +10,8 @@ from typing import Self
 import requests
 import yaml
 
-from tests.support.fleet import Fleet, Machine
+from fleet import Fleet, Machine
+from tests.support.local_play import recap
 from tests.support.polling import until
 from tests.support.programs import ROOT, Program
 
@@ -81,9 +82,7 @@ class Playbook(Program):
     @property
     def recap(self) -> dict[str, dict[str, int]]:
         """ok, changed, failed, unreachable ... of each host."""
-        lines = self.output.partition("PLAY RECAP")[2].partition("\n\n")[0].splitlines()[1:]
-        rows = (line.split(" : ") for line in lines if " : " in line)
-        return {host.strip(): {key: int(n) for key, n in (w.split("=") for w in row.split())} for host, row in rows}
+        return recap(self.output)
 
     @property
     def changed(self) -> int:

@@ -9,11 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, docker, outside
+
+pytestmark = pytest.mark.slow
 
 Measured = Callable[[str], None]
 SERVICE = "laserbot-robot"

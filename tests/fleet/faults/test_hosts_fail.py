@@ -4,11 +4,13 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.support.fleet import Machine
+from fleet import Machine
 from tests.support.play import STOPPED, keep_turning, obeys, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, cut, docker, outside, power_off, power_on
+
+pytestmark = pytest.mark.slow
 
 Measured = Callable[[str], None]
 

@@ -9,6 +9,8 @@ from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal
 
+pytestmark = pytest.mark.slow
+
 Measured = Callable[[str], None]
 
 

@@ -7,9 +7,13 @@ import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import pytest
+
+from fleet import Machine
 from tests.support.card import card_of, packages, settings
-from tests.support.fleet import Machine
 from tests.support.rehearsal import Rehearsal, ask_from
+
+pytestmark = pytest.mark.slow
 
 Measured = Callable[[str], None]
 ENGINE = {"docker.io", "docker-cli"}  # one package in Debian 12

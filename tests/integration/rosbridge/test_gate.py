@@ -1,11 +1,11 @@
 """Who may drive, seen from the WebSocket and from the robot."""
 
 import socket
-import xmlrpc.client
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import pytest
 
+from laser_bot_battle.master import Master
 from laser_bot_battle.msg import GameStatus
 from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, NEUTRAL, Client, RosSide, player
 from tests.support.polling import until
@@ -62,7 +62,7 @@ class Battle:
     def heard(self, robot: int) -> list[dict[str, object]]:
         return self.ros.heard(f"/Robot{robot}/command")[self.seen[robot] :]
 
-    def robot_hears(self, robot: int, *commands: dict[str, object]) -> None:
+    def robot_hears(self, robot: int, *commands: Mapping[str, object]) -> None:
         until(lambda: self.heard(robot) == list(commands), 5, f"{commands}, not {self.heard(robot)}")
 
 
@@ -85,12 +85,8 @@ def test_a_client_may_be_quicker_than_the_news_of_its_player(
     with_auth.say("auth", client="di", mac="token-of-di")
     with_auth.advertise(3)
     battle.says(STOPPED, player("cy", "token-of-cy", 2), player("di", "token-of-di", 3))
-    with xmlrpc.client.ServerProxy(ros_master.uri) as master:
-        until(
-            lambda: (
-                {"/Robot2/command", "/Robot3/command"} <= {topic for topic, _ in master.getSystemState("/test")[2][0]}
-            )
-        )
+    master = Master(ros_master.uri, "/test")
+    until(lambda: {"/Robot2/command", "/Robot3/command"} <= {topic for topic, _ in master.call("getSystemState")[0]})
 
 
 def test_no_player_drives_the_robot_of_another(battle: Battle, client: Connect) -> None:

@@ -147,7 +147,7 @@ def test_messages_for_a_client_that_was_given_up_are_dropped(caplog: pytest.LogC
 
     async def give_up() -> None:
         async with asyncio.timeout(10), serve(fill, "127.0.0.1", 0) as server:
-            (_, port) = server.sockets[0].getsockname()
+            ((_, port),) = [end.getsockname() for end in server.sockets]
             with await asyncio.to_thread(MuteClient, port):
                 await closed.wait()
 

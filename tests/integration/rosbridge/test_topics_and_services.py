@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -99,7 +100,8 @@ def test_throttled_messages_come_no_faster_and_queued_ones_are_not_lost(ros: Ros
 
 def test_a_service_answers(ros: RosSide, client: Connect) -> None:
     operator = client().operate()
-    for args in ({}, {"args": []}, {"args": {}}, {"args": None}):
+    forms: list[dict[str, Any]] = [{}, {"args": []}, {"args": {}}, {"args": None}]
+    for args in forms:
         operator.say("call_service", service="add_new_robot", id="call:1", **args)
         assert operator.hear() == {
             "op": "service_response", "service": "add_new_robot", "values": {"ID": 7}, "result": True, "id": "call:1",

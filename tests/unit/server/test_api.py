@@ -3,6 +3,7 @@
 import hashlib
 import json
 import threading
+from typing import Any
 
 import pytest
 
@@ -18,7 +19,7 @@ POST_ROUTES = ("/signUpUser", "/signOutUser", "/updateGameStatus", "/getAvailabl
 class Site:
     """The application over a real battle with robots 0 to 2; every browser has its own cookies."""
 
-    def __init__(self, robots: int = 3, **rules: float) -> None:
+    def __init__(self, robots: int = 3, **rules: Any) -> None:
         self.battle = GameLoop(Referee(Rules(**rules)))
         for _ in range(robots):
             self.battle.add_robot("/unnamed")

@@ -3,11 +3,13 @@
 import threading
 import time
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
 from server.game.loop import GameLoop
 from server.game.referee import Referee, Rules, Verdict
+from server.game.snapshot import Snapshot
 from tests.support.polling import until
 
 
@@ -24,10 +26,10 @@ def run(battle) -> Iterator[Callable[[], None]]:
     assert "game loop" not in [thread.name for thread in threading.enumerate()]
 
 
-def at_once(number: int, act: Callable[[int], object]) -> list[object]:
+def at_once(number: int, act: Callable[..., Any]) -> list[Any]:
     """Call `act(0)` ... `act(number - 1)` from threads of their own at the same instant; the results in order."""
     barrier = threading.Barrier(number)
-    results: list[object] = [None] * number
+    results: list[Any] = [None] * number
 
     def run_one(index: int) -> None:
         barrier.wait()
@@ -86,7 +88,7 @@ def test_a_snapshot_is_never_empty_while_players_are_signed_in_and_hit():
 
 
 def test_listeners_hear_every_change_in_order(battle, run):
-    heard = []
+    heard: list[tuple[int, ...]] = []
     battle.add_listener(lambda snapshot: heard.append(snapshot.robots))
     run()
     for _ in range(20):
@@ -97,7 +99,7 @@ def test_listeners_hear_every_change_in_order(battle, run):
 
 
 def test_listeners_hear_a_heartbeat_without_any_change(battle, run):
-    heard = []
+    heard: list[Snapshot] = []
     battle.add_listener(heard.append)
     run()
     until(lambda: len(heard) >= 2, 3)
@@ -106,8 +108,12 @@ def test_listeners_hear_a_heartbeat_without_any_change(battle, run):
 def test_listeners_are_called_without_the_lock(battle, run):
     seen = threading.Event()
 
+    def look() -> None:
+        battle.snapshot()
+        seen.set()
+
     def listener(_):
-        thread = threading.Thread(target=lambda: (battle.snapshot(), seen.set()))
+        thread = threading.Thread(target=look)
         thread.start()
         thread.join(5)
 
@@ -118,7 +124,7 @@ def test_listeners_are_called_without_the_lock(battle, run):
 
 
 def test_a_failing_listener_harms_neither_the_others_nor_the_game(battle, run, caplog):
-    heard = []
+    heard: list[Snapshot] = []
 
     def broken(_):
         raise RuntimeError("listener is broken")

@@ -1,0 +1,46 @@
+"""For the checks of a deployed fleet, real or rehearsed: each runs on every host that it concerns; a table sums up."""
+
+from collections import defaultdict
+from pathlib import Path
+
+import pytest
+
+from fleet import Fleet
+
+HOSTS = Path(__file__).parents[2] / "build" / "fleet-hosts.json"  # ansible/check.yml writes it
+
+
+def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
+    """A test with the argument machine, master or robot runs once for each host of that kind."""
+    if not HOSTS.exists():
+        raise pytest.UsageError("which hosts to check, ansible/check.yml knows: it runs these tests")
+    machines = [machine for machine in Fleet.read(HOSTS).machines.values() if machine.checked]
+    for argument, group in {"machine": None, "master": "master", "robot": "robots"}.items():
+        if argument in metafunc.fixturenames:
+            chosen = [machine for machine in machines if group in (None, machine.group)]
+            metafunc.parametrize(argument, chosen, ids=lambda machine: machine.name, scope="session")
+
+
+@pytest.fixture(scope="session")
+def fleet() -> Fleet:
+    return Fleet.read(HOSTS)
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    rows: dict[str, dict[str, str]] = defaultdict(dict)
+    for outcome, mark in (("passed", "ok"), ("failed", "FAILED"), ("error", "FAILED")):
+        for report in terminalreporter.getreports(outcome):
+            test, _, host = report.nodeid.rpartition("::")[2].partition("[")
+            rows[test][host.rstrip("]")] = mark
+    hosts = sorted({host for row in rows.values() for host in row if host})
+    if not hosts:
+        return
+    width = max(map(len, rows))
+    terminalreporter.write_line("")
+    terminalreporter.write_line(" ".join([" " * width, *hosts]))
+    for test, row in rows.items():
+        name = test.removeprefix("test_").replace("_", " ")
+        everywhere = row.get("", "")
+        terminalreporter.write_line(
+            " ".join([name.ljust(width), *(row.get(host, everywhere or "-").ljust(len(host)) for host in hosts)])
+        )

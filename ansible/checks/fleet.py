@@ -1,0 +1,100 @@
+"""A deployed fleet: its hosts over SSH, and the battle that is played on it."""
+
+import base64
+import contextlib
+import functools
+import json
+import socket
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import testinfra
+from testinfra.host import Host
+
+SERVICES = {"master": ["laserbot-rosmaster", "laserbot-rosbridge", "laserbot-web"], "robots": ["laserbot-robot"]}
+
+
+@dataclass(frozen=True)
+class Machine:
+    """A host of the inventory."""
+
+    name: str
+    group: str  # master or robots
+    address: str
+    user: str
+    ssh: str  # options of ssh: the key, where host keys are kept
+    serial: str = "/dev/laserbot"
+    platform: str = ""  # the image's, where it is not the host's own
+    open_ports: tuple[int, ...] = ()  # that the operator has opened besides the game's
+    checked: bool = True  # whether the operator asks for checks of it
+
+    @property
+    def services(self) -> list[str]:
+        return SERVICES[self.group]
+
+    @functools.cached_property
+    def host(self) -> Host:
+        """The host for testinfra, as root; all share one connection."""
+        return testinfra.get_host(
+            f"ssh://{self.user}@{self.address}",
+            sudo=True,
+            ssh_extra_args=f"{self.ssh} -o ConnectTimeout=5",
+            controlpersist=30,
+        )
+
+    def run(self, command: str) -> str:
+        """What a command of root's prints; AssertionError with its complaint if it fails."""
+        result = self.host.run(command)
+        assert result.rc == 0, f"{self.name}: {command}: {result.stdout}{result.stderr}"
+        return str(result.stdout)
+
+    @property
+    def registry_password(self) -> str:
+        """The one that its engine has been given."""
+        entry = json.loads(self.run("cat /root/.docker/config.json"))["auths"]["laser-bot-master.local:5443"]
+        return base64.b64decode(entry["auth"]).decode().partition(":")[2]
+
+    def container(self, service: str) -> dict[str, Any]:
+        """What the engine says of a container."""
+        return dict(json.loads(self.run(f"docker inspect {service}"))[0])
+
+
+class Fleet:
+    """A master and robots, and where the battle is."""
+
+    def __init__(self, machines: Iterable[Machine]) -> None:
+        self.machines = {machine.name: machine for machine in machines}
+        (self.master,) = (machine for machine in self.machines.values() if machine.group == "master")
+        self.robots = [machine for machine in self.machines.values() if machine.group == "robots"]
+
+    @classmethod
+    def read(cls, file: Path) -> "Fleet":
+        """The fleet that ansible/check.yml has written down; addresses may be names that this machine knows."""
+        hosts = json.loads(file.read_text()).items()
+        return cls(Machine(name, **host | {"address": resolved(host["address"])}) for name, host in hosts)
+
+    @property
+    def web(self) -> str:
+        return f"http://{self.master.address}:5000"
+
+    @property
+    def bridge(self) -> str:
+        return f"ws://{self.master.address}:9090"
+
+
+def resolved(name: str) -> str:
+    """The address of that name; of a host that is off, the name itself."""
+    with contextlib.suppress(OSError):
+        return socket.gethostbyname(name)
+    return name
+
+
+def until(condition: Callable[[], bool], seconds: float, what: str) -> None:
+    """Ask until it is so; AssertionError after `seconds`."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline, f"not within {seconds:.0f} s: {what}"
+        time.sleep(0.2)

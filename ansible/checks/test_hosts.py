@@ -1,0 +1,133 @@
+"""Names, time, devices, users, secrets, firewall."""
+
+import re
+import shlex
+import subprocess
+
+from fleet import Fleet, Machine, until
+
+SECRETS_OF_ALL = ("/root/.docker/config.json",)
+SECRETS_OF_THE_MASTER = (
+    "/etc/laserbot/ca/ca.key",
+    "/etc/laserbot/operator-token",
+    "/etc/docker/registry/htpasswd",
+    "/etc/docker/registry/tls/registry.key",
+)
+
+
+def names(fleet: Fleet) -> dict[str, str]:
+    """Every name of the fleet, and its address."""
+    of_the_master = dict.fromkeys(("laser_bot_master.local", "laser-bot-master.local"), fleet.master.address)
+    return of_the_master | {f"{robot.name}.local": robot.address for robot in fleet.robots}
+
+
+def test_names_are_known_on_every_host(fleet: Fleet, machine: Machine) -> None:
+    for name, address in names(fleet).items():
+        # a host may give its own name another of its addresses
+        if address != machine.address:
+            assert machine.run(f"getent ahostsv4 {name}").split()[0] == address, name
+
+
+def test_names_are_known_inside_containers(fleet: Fleet, machine: Machine) -> None:
+    for service in machine.services:
+        for name, address in names(fleet).items():
+            if address != machine.address:
+                ask = f"import socket;print(socket.gethostbyname('{name}'))"
+                assert machine.run(f'docker exec {service} python3 -c "{ask}"').strip() == address, (service, name)
+
+
+def test_names_are_not_waited_for(fleet: Fleet, machine: Machine) -> None:
+    """No DNS server is asked about them: in a LAN without internet it would be silent for seconds, each time."""
+    name = "laser_bot_master.local" if machine.group == "robots" else f"{fleet.robots[0].name}.local"
+    lookups = f"[socket.getaddrinfo('{name}', 1) for _ in range(5)]"
+    ask = f"import socket, time; began = time.monotonic(); {lookups}; print(time.monotonic() - began)"
+    for where in ("", f"docker exec {machine.services[0]} "):
+        assert float(machine.run(f'{where}python3 -c "{ask}"')) < 2.0, where
+
+
+def test_the_game_is_announced(fleet: Fleet, machine: Machine) -> None:
+    def found() -> bool:
+        lines = machine.run("avahi-browse --resolve --parsable --terminate _laserbot._tcp").splitlines()
+        resolved = [line.split(";") for line in lines if line.startswith("=")]
+        return any(line[7:9] == [fleet.master.address, "5000"] for line in resolved)
+
+    until(found, 15, "_laserbot._tcp of the master")
+
+
+def test_the_clocks_agree(fleet: Fleet, machine: Machine) -> None:
+    def synchronised() -> bool:
+        tracking = machine.run("chronyc -n tracking")
+        source = machine.group == "master" or fleet.master.address in tracking
+        return source and "Leap status     : Normal" in tracking
+
+    until(synchronised, 60, "chrony has found its source")
+    offset = re.search(r"System time\s+: ([0-9.]+) seconds", machine.run("chronyc -n tracking"))
+    assert offset
+    assert float(offset[1]) < 0.5
+
+
+def test_the_arduino_has_its_name(robot: Machine) -> None:
+    if int(robot.run("udevadm --version")) >= 254:  # the first that knows this verb
+        robot.run("udevadm verify /etc/udev/rules.d/60-laserbot.rules")
+    if robot.serial == "/dev/laserbot":
+        assert robot.host.file(robot.serial).is_symlink
+    device = robot.run(f"stat -L -c '%F %G %a' {robot.serial}").strip()
+    assert device == "character special file dialout 660"
+
+
+def test_a_host_has_its_name(machine: Machine) -> None:
+    """systemd's: it allows no underscore, with which the master is announced."""
+    assert machine.run("hostname").strip() == ("laser-bot-master" if machine.group == "master" else machine.name)
+
+
+def test_a_host_that_crashes_or_hangs_restarts(machine: Machine) -> None:
+    """Both settings are the kernel's: a host that shares it has neither."""
+    shared = machine.host.run("systemd-detect-virt --container --quiet").rc == 0
+    wanted = machine.run("cat /etc/systemd/system.conf.d/laserbot.conf").rpartition("=")[2].strip()
+    assert wanted == "0" or not shared
+    manager = "org.freedesktop.systemd1 /org/freedesktop/systemd1 org.freedesktop.systemd1.Manager"
+    assert machine.run(f"busctl get-property {manager} RuntimeWatchdogUSec").split() == ["t", f"{int(wanted) * 10**6}"]
+    assert shared or machine.run("sysctl --values kernel.panic kernel.panic_on_oops").split() == ["10", "1"]
+
+
+def test_ssh_wants_a_key(machine: Machine) -> None:
+    """By its settings, and in the words of the one that runs."""
+    log_in = ["ssh", *shlex.split(machine.ssh), "-o", "PreferredAuthentications=none", "-o", "ControlPath=none"]
+    log_in += [f"{machine.user}@{machine.address}", "true"]
+    refused = subprocess.run(log_in, capture_output=True, text=True, timeout=20, check=False).stderr
+    assert "Permission denied (publickey)." in refused
+    settings = machine.run("sshd -T")
+    assert "passwordauthentication no" in settings
+    assert "kbdinteractiveauthentication no" in settings
+    assert "permitrootlogin no" in settings
+    (root,) = [line for line in machine.run("cat /etc/shadow").splitlines() if line.startswith("root:")]
+    assert root.split(":")[1].startswith(("!", "*")), "root has a password"
+
+
+def test_the_firewall_is_in_effect(machine: Machine) -> None:
+    rules = machine.run("nft list table inet laserbot")
+    assert "policy drop" in rules
+    (ports,) = re.findall(r"tcp dport (\S+|{ .* }) accept comment \"players\"", rules) or [""]
+    game = (5000, 9090) if machine.group == "master" else ()
+    assert sorted(map(int, re.findall(r"\d+", ports))) == sorted({*game, *machine.open_ports})
+    # the engine's own are still there
+    assert "DOCKER" in machine.run("nft list ruleset")
+
+
+def test_secret_files_are_nobody_elses(machine: Machine) -> None:
+    for path in (*SECRETS_OF_ALL, *SECRETS_OF_THE_MASTER):
+        file = machine.host.file(path)
+        if machine.group != "master" and path in SECRETS_OF_THE_MASTER:
+            assert not file.exists, path
+            continue
+        assert file.mode & 0o007 == 0, f"{path} {file.mode:o}"
+        assert machine.host.run(f"sudo -u nobody cat {path}").rc != 0, path
+
+
+def test_no_secret_is_shown(fleet: Fleet, machine: Machine) -> None:
+    """Neither in the process list nor in the containers' settings nor in the journal."""
+    token = fleet.master.run("cat /etc/laserbot/operator-token").strip()
+    assert machine.registry_password
+    for secret in filter(None, (token, machine.registry_password)):
+        for shown in ("ps axeww -o args", "docker inspect $(docker ps -q)", "journalctl --no-pager"):
+            assert secret not in machine.run(shown), shown

@@ -1,0 +1,53 @@
+"""Plays that need no host: they run on this machine, over a local connection."""
+
+import subprocess
+from pathlib import Path
+
+from tests.support.programs import ROOT
+
+INVENTORY = """
+all: {vars: {ansible_connection: local, ansible_python_interpreter: "{{ ansible_playbook_python }}"}}
+master: {hosts: {laser_bot_master: {}}}
+robots: {hosts: {raspberrypi1: {}, raspberrypi2: {}}}
+"""
+
+
+def play_role(
+    role: str, tasks: str, variables: str, folder: Path, limit: str = "all", *flags: str
+) -> subprocess.CompletedProcess[str]:
+    """Runs a role's file of tasks for a master and two robots. `variables` are YAML, `folder` is first in PATH."""
+    (folder / "hosts.yml").write_text(INVENTORY)
+    (folder / "vars.yml").write_text(variables)
+    (folder / "play.yml").write_text(f"""
+- hosts: all
+  gather_facts: false
+  tasks:
+    - ansible.builtin.include_role: {{name: {role}, tasks_from: {tasks}.yml}}
+""")
+    return subprocess.run(
+        [
+            ROOT / ".venv/bin/ansible-playbook",
+            f"--inventory={folder}/hosts.yml",
+            f"--limit={limit}",
+            f"--extra-vars=@{folder}/vars.yml",
+            folder / "play.yml",
+            *flags,
+        ],
+        env={
+            "PATH": f"{folder}:/usr/bin:/bin",
+            "ANSIBLE_CONFIG": str(ROOT / "ansible/ansible.cfg"),
+            "ANSIBLE_HOME": str(folder / "home"),
+            "ANSIBLE_LOCAL_TEMP": str(folder / "home/tmp"),
+            "ANSIBLE_NOCOLOR": "1",
+        },
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def recap(output: str) -> dict[str, dict[str, int]]:
+    """ok, changed, failed, unreachable ... of each host."""
+    lines = output.partition("PLAY RECAP")[2].partition("\n\n")[0].splitlines()[1:]
+    rows = (line.split(" : ") for line in lines if " : " in line)
+    return {host.strip(): {key: int(n) for key, n in (w.split("=") for w in row.split())} for host, row in rows}
