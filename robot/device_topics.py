@@ -63,7 +63,7 @@ class DeviceTopics:
             old.unregister()
         try:
             if not info.topic_name.strip("/") or not rosgraph.names.is_legal_name(info.topic_name):
-                raise ValueError(f"{info.topic_name!r} is no legal name of a ROS topic")
+                raise ValueError(f"{info.topic_name!r} is not a legal name of a ROS topic")
             self._types[info.topic_id] = message_class(info)
             endpoint = make(self._types[info.topic_id])
         except (ValueError, rospy.ROSException) as error:

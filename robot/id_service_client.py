@@ -74,7 +74,7 @@ def main() -> int:
                     _log.error("%s (again in %g s)", error, settings.retry)
                 time.sleep(settings.retry)
     except KeyboardInterrupt:
-        _log.info("ends")
+        _log.info("ending")
     return 0
 
 
@@ -93,7 +93,7 @@ def run_robot(settings: Settings, led: Indication) -> None:
             _log.info("New robot ID = %d", robot_id)
             with PingThread(settings.alive_url, robot_id) as pings:
                 supervise(node, pings, led, time.monotonic() + settings.retry)
-            _log.warning("the server does not know robot %d (any more): registering again", robot_id)
+            _log.warning("the server does not know robot %d: registering again", robot_id)
             led.state = State.FAILING
             # The node starts anew: after an outage its subscriber may hold a connection whose other end was closed
             # unheard, and until it hears of that, it takes the next player for the one that it has (rospy).

@@ -60,7 +60,7 @@ class PingThread(threading.Thread):
         except (requests.RequestException, ValueError, KeyError, TypeError) as error:
             self._outage(f"{error}")
         except Exception as error:  # this thread is the robot's sign of life: nothing may end it silently
-            _log.exception("ping failed in an unforeseen way")
+            _log.exception("ping failed unexpectedly")
             self._outage(f"{error!r}")
         else:
             if not self._reachable:

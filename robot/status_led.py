@@ -69,7 +69,7 @@ class LedThread(threading.Thread):
                 self.update(time.monotonic())
             self._light(False)
         except OSError as error:
-            _log.warning("the status LED cannot be set any more: %s", error)
+            _log.warning("the status LED can no longer be set: %s", error)
         finally:
             self._line.release()
 

@@ -78,7 +78,7 @@ class Node:
             listener = _bind(bind, port)
         except OSError as error:
             _log.error(
-                "cannot listen at %s port %d: %s; end the program that uses it, or set LASERBOT_BIND or %s",
+                "cannot listen on %s port %d: %s; stop the program that uses it, or set LASERBOT_BIND or %s",
                 bind,
                 port,
                 error.strerror or error,

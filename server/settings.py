@@ -59,4 +59,4 @@ def _expanded(folder: Path) -> Path:
     try:
         return folder.expanduser()
     except RuntimeError:
-        raise SettingsError(f"LASERBOT_DATA={folder}: this user has no home folder, so set it to another one") from None
+        raise SettingsError(f"LASERBOT_DATA={folder}: this user has no home folder: give a full path") from None

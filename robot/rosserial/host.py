@@ -121,7 +121,7 @@ class Host:
         if noise == told or now - told_at < NOISE_PERIOD:
             return []
         self._noise_told = (now, noise)
-        return [Notice(f"not understood on the serial line so far{noise}")]
+        return [Notice(f"noise on the serial line so far{noise}")]
 
     def _noise(self) -> str:
         bad, garbage = self._decoder.bad_frames, self._decoder.garbage
@@ -163,7 +163,7 @@ class Host:
             return [Message(frame.topic_id, frame.payload)]
         # a device that still counts on an earlier conversation, or whose topic info got lost
         asking = self._ask(now)
-        notice = Notice(f"message on unknown topic id {frame.topic_id}: topics asked for again")
+        notice = Notice(f"message on unknown topic id {frame.topic_id}: asking for the topics again")
         return [notice, *asking] if asking else []
 
     def _time(self, now: float, wall: float) -> list[Event]:

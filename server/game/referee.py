@@ -126,7 +126,7 @@ class Referee:
         self._note(f"{name} signed up and drives robot {robot.id}")
         old_user = self._users.get_session_user(old_session) if old_session else None
         if old_user is not None:
-            self._remove_user(old_user, f"signed up anew as {name}", now)
+            self._remove_user(old_user, f"signed up again as {name}", now)
         return Verdict.OK, _player(user)
 
     def sign_out(self, name: str, session: str, now: float) -> Verdict:
@@ -154,8 +154,8 @@ class Referee:
             user.ready = ready
             if ready and self._game is Game.COUNTDOWN:
                 user.revive()
-            self._note(f"{name} is {'ready' if ready else 'not ready any more'}")
-            self._settle(now, f"{name} is not ready any more")
+            self._note(f"{name} is {'ready' if ready else 'no longer ready'}")
+            self._settle(now, f"{name} is no longer ready")
         return Verdict.OK
 
     def seen(self, session: str, now: float) -> Player | None:

@@ -48,7 +48,7 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
 async def _talk(node: Node, settings: Settings, listener: socket.socket) -> None:
     bridge = Bridge(ROSBRIDGE_NODE, settings.operator_token)
     async with WebSocketServer(bridge, listener):
-        _log.info("listening at %s port %d", settings.node.bind, settings.node.port)
+        _log.info("listening on %s port %d", settings.node.bind, settings.node.port)
         while not node.ending.is_set():
             alive.touch()
             await asyncio.to_thread(node.ending.wait, alive.PERIOD)

@@ -141,7 +141,7 @@ class Types:
 def find_class(find: Callable[[str], type[Any] | None], name: str, kind: str) -> type[Any]:
     """The generated class of a type name; ConversionError for a malformed or unknown name."""
     if not TYPE_NAME.fullmatch(name):
-        raise ConversionError(f"{name[:80]!r} is no {kind} type; write package/Name")
+        raise ConversionError(f"{name[:80]!r} is not a {kind} type; write package/Name")
     found = find(name)
     if found is None:
         raise ConversionError(f"the {kind} type {name[:80]} is unknown here")

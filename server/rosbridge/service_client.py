@@ -31,7 +31,7 @@ class ServiceClient:
         except TimeoutError:
             raise RequestError(f"no response within {timeout:g} s") from None
         except (OSError, EOFError) as error:
-            raise RequestError(f"the service broke off: {error}") from None
+            raise RequestError(f"the connection to the service broke: {error}") from None
 
     async def _call(self, service: str, args: Any) -> dict[str, Any]:
         try:
@@ -54,7 +54,7 @@ class ServiceClient:
         try:
             response = service_type.response.message_class().deserialize(answer)
         except genpy.DeserializationError as error:
-            raise RequestError(f"the response is no {service_type.name}: {error}") from None
+            raise RequestError(f"the response is not a {service_type.name}: {error}") from None
         return service_type.response.encode(response)
 
     async def _shake_hands(

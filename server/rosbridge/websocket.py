@@ -70,7 +70,7 @@ class WebSocketServer:
             return response
         if self._clients < MAX_CLIENTS:
             return None
-        _log.warning("a client is refused: %d are connected", self._clients)
+        _log.warning("a client was refused: %d are connected", self._clients)
         return websocket.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
 
     async def _handle(self, websocket: ServerConnection) -> None:

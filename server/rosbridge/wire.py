@@ -91,7 +91,7 @@ def parse(text: str | bytes) -> dict[str, Any]:
 
 def refuse_constant(name: str) -> None:
     """Python reads NaN and Infinity, which are no JSON."""
-    raise ValueError(f"{name} is no JSON value")
+    raise ValueError(f"{name} is not a JSON value")
 
 
 def finite(digits: str) -> float:

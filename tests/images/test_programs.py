@@ -71,7 +71,7 @@ def test_a_ros_master_whose_port_another_one_has_is_not_healthy(version: str) ->
         first.wait_until_healthy()
         with Container(*words, network=f"container:{first.id}") as second:
             until(lambda: "address already in use" in second.logs.lower(), 20, "it finds its port taken")
-            told = "health: the program does not listen at port 11311"  # what the kubelet's event quotes
+            told = "health: the program does not listen on port 11311"  # what the kubelet's event quotes
             with pytest.raises(AssertionError, match=told):
                 second.run("/opt/laserbot/health")
             assert told in (ROOT / "k3s/README.md").read_text()

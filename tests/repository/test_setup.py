@@ -64,7 +64,7 @@ def test_on_another_system_than_debian_it_names_what_is_needed(clone: Path, tmp_
         (tools / tool).symlink_to(shutil.which(tool) or pytest.fail(f"{tool} is missing"))
     code, line = setup(clone, {"PATH": str(tools)})
     assert code == 1
-    assert line.startswith("Setup stopped: this is no Debian. Debian 12 or 13 is needed, with: python3-venv")
+    assert line.startswith("Setup stopped: this is not Debian. Debian 12 or 13 is needed, with: python3-venv")
 
 
 def test_a_user_without_sudo_is_told_what_root_has_to_do(clone: Path, tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ def configure_logging(level: str) -> None:
 
 
 def _name_program(record: logging.LogRecord) -> bool:
-    """A line of the program's own module bears its name: the programs of a robot share one stderr."""
+    """A line of the program's own module shows the program's name: the programs of a robot share one stderr."""
     spec = sys.modules["__main__"].__spec__
     if record.name == "__main__" and spec:
         record.name = spec.name.removesuffix(".__main__")
@@ -32,7 +32,7 @@ def _name_program(record: logging.LogRecord) -> bool:
 
 
 def _shorten_ros(record: logging.LogRecord) -> bool:
-    """rospy logs the whole traceback of a lost connection, which is daily life here: keep its first and last line."""
+    """rospy logs the whole traceback of a lost connection, which is common here: keep its first and last line."""
     if record.name.startswith("ros"):
         lines = record.getMessage().splitlines()
         if len(lines) > 1:

@@ -76,7 +76,7 @@ class MasterWatch:
 
     The watch leaves a mark with the master, the private parameter `/<node>/alive_mark`. A restarted master does not
     know it (process IDs say nothing: in a container it is always 1), and another node of the same name replaces it.
-    A master that hangs is waited for. It is gone when for `gone_after` seconds nothing listens at its port.
+    A master that hangs is waited for. It is gone when for `gone_after` seconds nothing listens on its port.
     """
 
     def __init__(
@@ -115,7 +115,7 @@ class MasterWatch:
             try:
                 found = self._master.call("getParam", self._key)
             except MasterError:
-                return self._lost("the ROS master was restarted and does not know this node any more")
+                return self._lost("the ROS master was restarted and no longer knows this node")
             except OSError as error:
                 if not isinstance(error, ConnectionRefusedError):
                     listened = time.monotonic()

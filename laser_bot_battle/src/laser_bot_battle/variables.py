@@ -2,7 +2,7 @@
 
     python3 -m laser_bot_battle.variables     prints its table
 
-What says "not with compose" is set in compose.yaml itself, or has no sense there.
+"Not with compose" means that compose.yaml itself sets the variable, or that it makes no sense there.
 """
 
 import re
@@ -32,7 +32,7 @@ def _roster(text: str) -> dict[str, int]:
             raise ValueError(f"{word!r} is not name=ID with an ID from 0 to {ROBOT_IDS[-1]}")
         client = client_name(name)
         if client in fixed or int(robot_id) in fixed.values():
-            raise ValueError(f"{word!r} has a name or an ID twice")
+            raise ValueError(f"{word!r} repeats a name or an ID")
         fixed[client] = int(robot_id)
     return fixed
 
@@ -58,24 +58,24 @@ def _master_uri(text: str) -> str:
 BIND = words(
     "LASERBOT_BIND",
     "0.0.0.0",
-    "address that the web server, rosbridge and the arena listen at",
-    "`0.0.0.0` (`make demo`: `127.0.0.1`)",
+    "address on which the web server, rosbridge and the arena listen",
+    "`0.0.0.0` (demo: `127.0.0.1`)",
 )
 WEB = port("LASERBOT_WEB_PORT", WEB_PORT, "the game's pages")
 ROSBRIDGE = port("LASERBOT_ROSBRIDGE_PORT", ROSBRIDGE_PORT, "rosbridge's WebSocket")
 VIEW = optional_port(
     "LASERBOT_VIEW_PORT",
-    "port, on the master, of a view of the arena that the player's page shows",
-    "none (`make demo`: the arena's)",
+    "port on the master where the player's page finds a view of the arena to show",
+    "none (demo: the arena's)",
 )
 ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` starts; not with compose")
 ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
 ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
-COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "s from two ready players to the start")
-BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "s until a battle ends undecided")
+COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
+BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends undecided")
 PLAYER_TIMEOUT = number(
-    "LASERBOT_PLAYER_TIMEOUT", 15, 1, 86400, "s without a sign of life until a player is signed out"
+    "LASERBOT_PLAYER_TIMEOUT", 15, 1, 86400, "seconds without a sign of life until a player is signed out"
 )
 DATA: Variable[Path] = Variable(
     "LASERBOT_DATA",
@@ -88,24 +88,24 @@ ROSTER: Variable[dict[str, int]] = Variable(
     "LASERBOT_ROSTER",
     {},
     "robots with fixed IDs, by their `LASERBOT_ROBOT_NAME`: `raspberrypi1=1 raspberrypi2=2`; "
-    "the others get the lowest free one and keep it",
+    "any other robot gets the lowest free ID and keeps it",
     _roster,
     "none",
 )
 OPERATOR_TOKEN = words("LASERBOT_OPERATOR_TOKEN", "", "secret that lets a rosbridge client do everything")
 OPERATOR_TOKEN_FILE = words(
-    "LASERBOT_OPERATOR_TOKEN_FILE", "", "a file that holds this secret, instead of the secret itself; not with compose"
+    "LASERBOT_OPERATOR_TOKEN_FILE", "", "file that holds this secret, instead of the secret itself; not with compose"
 )
-MASTER = words("LASERBOT_MASTER", MASTER_HOST, "the master, as a robot or a bot finds it")
+MASTER = words("LASERBOT_MASTER", MASTER_HOST, "host name or address at which a robot or a bot finds the master")
 SERIAL: Variable[tuple[str, ...]] = Variable(
     "LASERBOT_SERIAL",
     ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0"),
-    "the Arduino: paths, best first, or a pyserial URL such as `socket://host:port`",
+    "the Arduino: paths to try in this order, or a pyserial URL such as `socket://host:port`",
     _devices,
     "`/dev/laserbot /dev/ttyACM0 /dev/ttyUSB0`",
 )
-ROBOT_NAME = words("LASERBOT_ROBOT_NAME", "", "what a robot is recognised by", "host name and MAC address")
-RETRY = number("LASERBOT_RETRY", 5, 0.1, 3600, "s between a robot's attempts to find its Arduino and the master")
+ROBOT_NAME = words("LASERBOT_ROBOT_NAME", "", "name by which the server knows a robot", "host name and MAC address")
+RETRY = number("LASERBOT_RETRY", 5, 0.1, 3600, "seconds between a robot's attempts to find its Arduino and the master")
 IMAGES = words("LASERBOT_IMAGES", "", "what compose puts before the images' names: `registry:port/`")
 VERSION = words("LASERBOT_VERSION", "", "the images' tag for compose", "this version")
 LED: Variable[int | None] = Variable(
@@ -119,7 +119,7 @@ CAMERA = words("LASERBOT_CAMERA", "", "camera that compose gives to a robot: `/d
 GPIO = words("LASERBOT_GPIO", "", "GPIO device that compose gives to a robot: `/dev/gpiochip0`")
 GPIO_GROUP = words("LASERBOT_GPIO_GROUP", "", "number of the group that may use the GPIO: `getent group gpio`")
 ALIVE_FILE = words(
-    "LASERBOT_ALIVE_FILE", "", "a file whose time a working program renews, for health checks; not with compose"
+    "LASERBOT_ALIVE_FILE", "", "file that a working program touches every second, for health checks; not with compose"
 )
 LOG_LEVEL = choice("LASERBOT_LOG_LEVEL", "info", LOG_LEVELS, "how much is logged")
 

@@ -38,4 +38,4 @@ class Auth(Capability):
         if player is not None and hmac.compare_digest(player.name.encode(), claim.name.encode(errors="replace")):
             self.client.identity = claim.identity
             return []
-        return self.client.report("error", "nobody of this name has this token", now, claim.id)
+        return self.client.report("error", "no player has this name and this token", now, claim.id)

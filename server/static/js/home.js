@@ -143,13 +143,13 @@ class Game {
       dialogs.show({
         kind: "warning",
         title: "Sign out?",
-        text: "Your robot becomes free for others. In a battle you give up.",
+        text: "Your robot becomes free for others. If a battle is running, you give up.",
         ok: "Sign out",
         cancel: "Cancel",
       }),
     );
     if (!sure) {
-      dialogs.toast("You stay: your session is safe.");
+      dialogs.toast("You are still signed in.");
       return;
     }
     this.#signingOut = true; // the next news of the battle must not hand the controls back

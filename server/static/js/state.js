@@ -164,7 +164,7 @@ export function connectionState(bridge, web) {
     return {
       level: "warn",
       text: "Reconnecting...",
-      banner: "The connection to your robot is down. The page keeps trying; commands are dropped meanwhile.",
+      banner: "The connection to your robot is down. The page keeps trying; until then you cannot drive.",
     };
   }
   return { level: "ok", text: "Online", banner: "" };

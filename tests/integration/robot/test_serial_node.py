@@ -222,7 +222,7 @@ def test_topics_that_cannot_be_joined_are_refused_and_the_others_work(start: Sta
         node = serve(start, device.path, 26)
         publish(start, "/Robot26/command", "1 0 0").wait_for("published")
         until(lambda: FORWARD in device.received)
-        assert "'not a name!' is no legal name" in node.output
+        assert "'not a name!' is not a legal name" in node.output
         assert "'old' of the device has another version" in node.output
         assert "no_such_msgs/Thing', which is not installed" in node.output
 

@@ -151,12 +151,12 @@ def test_a_wrong_token_changes_nothing(battle: Battle, client: Connect) -> None:
     al = client("token-of-al")
     al.say("auth", client="al", mac="guess", id=5)
     answer = al.hear()
-    assert "nobody of this name has this token" in answer["msg"]
+    assert "no player has this name and this token" in answer["msg"]
     assert answer["id"] == 5
     al.say("auth", client="bo", mac="token-of-al")
-    assert "nobody of this name" in al.hear_error()
+    assert "no player has this name" in al.hear_error()
     al.operate("guess")
-    assert "nobody of this name" in al.hear_error()
+    assert "no player has this name" in al.hear_error()
     battle.says(PLAYING, AL, BO)  # again: meanwhile the referee was silent for too long
     battle.ready(al, 0)
 

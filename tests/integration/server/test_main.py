@@ -71,7 +71,7 @@ def test_a_port_in_use_is_one_clear_line(launch):
         assert server.program.process.wait(10) == 1
     lines = server.program.output.splitlines()
     assert len(lines) == 1
-    assert f"cannot listen at 127.0.0.1 port {port}" in lines[0]
+    assert f"cannot listen on 127.0.0.1 port {port}" in lines[0]
     assert "LASERBOT_WEB_PORT" in lines[0]
 
 

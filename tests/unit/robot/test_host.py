@@ -52,7 +52,7 @@ def test_garbage_is_told_at_most_once_in_ten_seconds() -> None:
         told += [event for event in talk.hear(b"garbage") if isinstance(event, Notice)]
         talk.wait(1.0)
     assert told == [
-        Notice(f"not understood on the serial line so far (0 broken frames, {n} stray bytes: wrong speed or sketch?)")
+        Notice(f"noise on the serial line so far (0 broken frames, {n} stray bytes: wrong speed or sketch?)")
         for n in (7, 77, 147)
     ]
 

@@ -16,5 +16,5 @@ def test_an_address_that_is_set_is_kept(variable: str) -> None:
 
 
 def test_a_master_whose_name_is_unknown_is_an_error_that_names_it() -> None:
-    with pytest.raises(OSError, match=r"no way to the ROS master at nowhere\.invalid"):
+    with pytest.raises(OSError, match=r"cannot reach the ROS master at nowhere\.invalid"):
         ros_environment({}, "http://nowhere.invalid:11311")

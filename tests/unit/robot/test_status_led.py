@@ -78,6 +78,6 @@ def test_a_line_that_is_lost_ends_the_thread_with_a_warning(led: Led, caplog: py
     with led.thread:
         until(lambda: not led.thread.is_alive())
     assert [record.getMessage() for record in caplog.records] == [
-        "the status LED cannot be set any more: [Errno 19] No such device"
+        "the status LED can no longer be set: [Errno 19] No such device"
     ]
     assert led.request.released

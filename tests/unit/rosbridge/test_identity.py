@@ -31,7 +31,7 @@ def test_a_token_that_nobody_has_is_refused_after_a_while(server: Server, name: 
     assert say(client, op="auth", client=name, mac=token, id=4) == []
     assert client.updated(1.9) == []
     refusal = error(client.updated(2.0))
-    assert (refusal["msg"], refusal["id"]) == ("nobody of this name has this token", 4)
+    assert (refusal["msg"], refusal["id"]) == ("no player has this name and this token", 4)
     assert client.updated(9.0) == []
     assert client.identity == who
 
@@ -39,7 +39,7 @@ def test_a_token_that_nobody_has_is_refused_after_a_while(server: Server, name: 
 def test_a_token_does_not_fit_another_name(server: Server) -> None:
     server.battle()
     client = server.client(GUEST)
-    assert "nobody of this name" in error(say(client, op="auth", client="bo", mac=TOKEN))["msg"]
+    assert "no player has this name" in error(say(client, op="auth", client="bo", mac=TOKEN))["msg"]
     assert client.identity == GUEST
 
 

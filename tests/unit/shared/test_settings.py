@@ -73,7 +73,7 @@ def test_an_impossible_value_is_named_with_what_is_allowed(name: str, text: str,
     "text", ["a", "a=", "=1", "a=128", "a=-1", "a=1.5", "a=1 a=2", "a=1 b=1", "a-b=1 a_b=2", "a=x"]
 )
 def test_a_wrong_roster_is_named(text: str) -> None:
-    with pytest.raises(SettingsError, match=r"^LASERBOT_ROSTER=.*(is not name=ID|twice)"):
+    with pytest.raises(SettingsError, match=r"^LASERBOT_ROSTER=.*(is not name=ID|repeats a name or an ID)"):
         variables.ROSTER.read({"LASERBOT_ROSTER": text})
 
 
