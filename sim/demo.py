@@ -6,7 +6,6 @@ nothing is left behind.
 """
 
 import argparse
-import contextlib
 import ctypes
 import http.client
 import json
@@ -163,13 +162,12 @@ class Demo:
     def stop(self) -> None:
         """End roslaunch with its nodes, then the master, and make sure that no process is left."""
         deadline = time.monotonic() + STOP_WITHIN
-        self.roslaunch.send_signal(signal.SIGINT)
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            self.roslaunch.wait(STOP_WITHIN)
-        self.master.send_signal(signal.SIGINT)
-        while children() and time.monotonic() < deadline:
-            reap()
-            time.sleep(0.02)
+        # not by Popen.wait(): the signal may have interrupted poll(), which then holds its lock for ever
+        for program, left in ((self.roslaunch, 1), (self.master, 0)):
+            program.send_signal(signal.SIGINT)
+            while len(children()) > left and time.monotonic() < deadline:
+                reap()
+                time.sleep(0.02)
         for pid in children():
             os.kill(pid, signal.SIGKILL)
         while children():

@@ -17,6 +17,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.browser.conftest import FLAGS
@@ -126,9 +127,7 @@ class TracedRobot:
 
     def serial_node(self) -> int:
         """The process of robot 3's serial node."""
-        return int(
-            Path(f"/proc/{self.client.process.pid}/task/{self.client.process.pid}/children").read_text().split()[0]
-        )
+        return int(psutil.Process(self.client.process.pid).children()[0].pid)
 
     def stop(self) -> None:
         self.client.stop()

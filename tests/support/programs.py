@@ -16,7 +16,10 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 class Program:
-    """A child process in a process group of its own, its stdout and stderr kept in one file."""
+    """A child process in a process group of its own, its stdout and stderr kept in one file.
+
+    It gets SIGINT if the tests end without ending it, such as by Ctrl-C.
+    """
 
     def __init__(self, command: Sequence[str], env: Mapping[str, str] | None = None) -> None:
         self.command = [str(word) for word in command]
@@ -24,7 +27,7 @@ class Program:
         weakref.finalize(self, self._log.close)
         environment = {**os.environ, "PYTHONUNBUFFERED": "1", **(env or {})}
         self.process = subprocess.Popen(
-            self.command,
+            ["setpriv", "--pdeathsig=INT", *self.command],
             env=environment,
             cwd=ROOT,
             stdin=subprocess.DEVNULL,

@@ -6,6 +6,7 @@ import socket
 import time
 from collections.abc import Callable
 
+import psutil
 import pytest
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
@@ -159,5 +160,4 @@ def test_messages_for_a_client_that_was_given_up_are_dropped(caplog: pytest.LogC
 
 def resident(rosbridge: Rosbridge) -> int:
     """Memory in bytes."""
-    with open(f"/proc/{rosbridge.program.process.pid}/statm") as statm:
-        return int(statm.read().split()[1]) * 4096
+    return int(psutil.Process(rosbridge.program.process.pid).memory_info().rss)
