@@ -8,6 +8,8 @@ import sys
 import time
 from collections.abc import Callable
 
+from laser_bot_battle.names import command_topic, response_topic, robot_node
+
 POLL = 0.05  # s
 ANSWER_TIMEOUT = 30.0  # s for the ID; a small Raspberry Pi that has just been switched on may start rospy for 10 s
 STOP_TIMEOUT = 1.0  # s
@@ -21,7 +23,6 @@ class SerialNode:
     """`python3 -m robot.serial_node` as the ROS node Robot<ID>; a context manager that ends it."""
 
     def __init__(self, device: str, robot_id: int) -> None:
-        name = f"Robot{robot_id}"
         self._process = subprocess.Popen(
             [
                 sys.executable,
@@ -29,9 +30,9 @@ class SerialNode:
                 "robot.serial_node",
                 device,
                 "--end-with-stdin",
-                f"__name:={name}",
-                f"command:={name}/command",
-                f"response:={name}/response",
+                f"__name:={robot_node(robot_id)}",
+                f"command:={command_topic(robot_id)}",
+                f"response:={response_topic(robot_id)}",
             ],
             stdin=subprocess.PIPE,
             process_group=0,

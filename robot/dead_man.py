@@ -1,6 +1,6 @@
 """The dead-man rule: a robot whose commands stop coming is told to stop."""
 
-SILENCE = 0.3  # s after a command until neutral is sent (design: safe stop at every hop)
+SILENCE = 0.3  # s after a command until neutral is sent
 
 
 class DeadMan:

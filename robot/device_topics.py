@@ -12,7 +12,7 @@ import rospy
 from robot.message_types import message_class
 from robot.rosserial.topic_info import TopicInfo
 
-log = logging.getLogger("robot.device_topics")
+_log = logging.getLogger(__name__)
 
 
 class DeviceTopics:
@@ -49,12 +49,12 @@ class DeviceTopics:
         try:
             message.deserialize(payload)
         except genpy.DeserializationError as error:
-            log.warning("message of %d bytes on %s dropped: %s", len(payload), publisher.resolved_name, error)
+            _log.warning("message of %d bytes on %s dropped: %s", len(payload), publisher.resolved_name, error)
             return
         publisher.publish(message)
 
     def _open(self, info: TopicInfo, make: Callable[[Any], Any]) -> None:
-        """Told again, a topic stays as it is; a changed one is made anew; one that cannot be is refused with a log."""
+        """A known topic stays as it is, a changed one is opened again, an impossible one is refused and logged."""
         if self._known.get(info.topic_id) == info:
             return
         self._known[info.topic_id] = info
@@ -63,14 +63,14 @@ class DeviceTopics:
             old.unregister()
         try:
             if not info.topic_name.strip("/") or not rosgraph.names.is_legal_name(info.topic_name):
-                raise ValueError(f"{info.topic_name!r} is no legal name of a ROS topic")
+                raise ValueError(f"{info.topic_name!r} is not a legal name of a ROS topic")
             self._types[info.topic_id] = message_class(info)
             endpoint = make(self._types[info.topic_id])
         except (ValueError, rospy.ROSException) as error:
-            log.error("topic refused: %s", error)
+            _log.error("topic refused: %s", error)
             return
         self._endpoints[info.topic_id] = endpoint
-        log.info("%s (%s) joined, id %d", endpoint.resolved_name, info.message_type, info.topic_id)
+        _log.info("%s (%s) joined, id %d", endpoint.resolved_name, info.message_type, info.topic_id)
 
 
 def serialised(message: genpy.Message) -> bytes:

@@ -13,7 +13,7 @@ CONSUMER = "laserbot"  # who has the line, as `gpioinfo` names it
 
 
 class NoLineError(Exception):
-    """The line is not to be had; the text says why."""
+    """The line cannot be used; the text says why."""
 
 
 class Request(Protocol):

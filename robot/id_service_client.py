@@ -3,8 +3,8 @@
     python3 -m robot.id_service_client
 
 The Arduino is asked first, so that the server never offers players a robot that cannot move. Then the pings and the
-serial node Robot<ID> run until the serial node ends; when the server has forgotten the robot, both start anew. Whatever
-fails is said in one line and tried again, for ever.
+serial node Robot<ID> run until the serial node ends; when the server has forgotten the robot, both start again.
+Whatever fails is said in one line and tried again, for ever.
 The status LED is lit from the start until the robot has an ID, blinks slowly while it works, and fast while it lacks
 its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 """
@@ -19,25 +19,22 @@ import time
 from robot.installed import missing_explained, require
 
 with missing_explained():
+    from laser_bot_battle import alive, variables
+    from laser_bot_battle.settings import describe
     from robot.children import RegistrationError, SerialNode, register
     from robot.ping_thread import PingThread
     from robot.serial_port import PortError, probe
     from robot.settings import Settings
-    from robot.status_led import State, Status, status_led
+    from robot.status_led import Indication, State, status_led
 
 require(
     "rospy", "rosgraph", "genpy", "std_msgs", "laser_bot_battle.msg._Robot_msg"
 )  # for the programs that this one starts
 
+PROGRAM = "robot.id_service_client"
 POLL = 0.1  # s
 
-VARIABLES = """\
-variables: LASERBOT_MASTER (laser_bot_master.local), LASERBOT_WEB_PORT (5000), ROS_MASTER_URI (port 11311 of the
-master), LASERBOT_SERIAL (/dev/laserbot /dev/ttyACM0 /dev/ttyUSB0), LASERBOT_ROBOT_NAME (host name and MAC address),
-LASERBOT_RETRY (5 s), LASERBOT_LED (18: the GPIO of the status LED, or none), LASERBOT_LOG_LEVEL (info)
-"""
-
-log = logging.getLogger("robot.id_service_client")
+_log = logging.getLogger(__name__)
 
 
 class ArduinoLostError(Exception):
@@ -46,35 +43,45 @@ class ArduinoLostError(Exception):
 
 def main() -> int:
     parser = argparse.ArgumentParser(
-        prog="robot.id_service_client",
+        prog=PROGRAM,
         description=__doc__,
-        epilog=VARIABLES,
+        epilog=describe(
+            variables.MASTER,
+            variables.WEB,
+            variables.ROS_MASTER_URI,
+            variables.SERIAL,
+            variables.ROBOT_NAME,
+            variables.RETRY,
+            variables.LED,
+            variables.ALIVE_FILE,
+            variables.LOG_LEVEL,
+        ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     # roslaunch adds ROS arguments such as __name:=...
     parser.parse_args([word for word in sys.argv[1:] if ":=" not in word])
-    settings = Settings.load(os.environ)
+    settings = Settings.load(PROGRAM)
     for number in (signal.SIGINT, signal.SIGTERM):  # a shell starts background programs with SIGINT ignored
         signal.signal(number, signal.default_int_handler)
     try:
         with status_led(settings.led) as led:
             while True:
-                log.info("Starting service client ...")
+                _log.info("Starting service client ...")
                 try:
-                    attend(settings, led)
+                    run_robot(settings, led)
                 except (ArduinoLostError, PortError, RegistrationError) as error:
                     led.state = State.FAILING
-                    log.error("%s (again in %g s)", error, settings.retry)
+                    _log.error("%s (again in %g s)", error, settings.retry)
                 time.sleep(settings.retry)
     except KeyboardInterrupt:
-        log.info("ends")
+        _log.info("ending")
     return 0
 
 
-def attend(settings: Settings, led: Status) -> None:
+def run_robot(settings: Settings, led: Indication) -> None:
     """One life of the robot, from finding the Arduino to losing it; always ends with an exception that says why."""
     device = find_arduino(settings.devices)
-    log.info("asking the Arduino at %s", device)
+    _log.info("asking the Arduino at %s", device)
     probe(device)
     robot_id, registered = register(wanted=lambda: True), True
     while True:
@@ -83,13 +90,13 @@ def attend(settings: Settings, led: Status) -> None:
                 last, robot_id, registered = robot_id, register_again(node, settings.retry), True
                 if robot_id != last:
                     continue  # under its new name
-            log.info("New robot ID = %d", robot_id)
+            _log.info("New robot ID = %d", robot_id)
             with PingThread(settings.alive_url, robot_id) as pings:
-                keep(node, pings, led, time.monotonic() + settings.retry)
-            log.warning("the server does not know robot %d (any more): registering again", robot_id)
+                supervise(node, pings, led, time.monotonic() + settings.retry)
+            _log.warning("the server does not know robot %d: registering again", robot_id)
             led.state = State.FAILING
-            # The node starts anew: after an outage its subscriber may hold a connection whose other end was closed
-            # unheard, and until it hears of that, it takes the next player for the one that it has (rospy).
+            # Restart the node: after an outage its subscriber may hold a connection whose other end was closed. Until
+            # it notices, rospy takes the next player's connection for that one.
             registered = False
 
 
@@ -101,14 +108,19 @@ def find_arduino(devices: tuple[str, ...]) -> str:
     raise ArduinoLostError(f"No attached ARDUINO found: looked for {', '.join(devices)}")
 
 
-def keep(node: SerialNode, pings: PingThread, led: Status, not_before: float) -> None:
+def supervise(node: SerialNode, pings: PingThread, led: Indication, not_before: float) -> None:
     """Watch a working robot until the server has forgotten it; a server that does so at once is not asked in a rush.
 
     ArduinoLostError when the serial node ends.
     """
+    touch_at = 0.0
     while node.exit_code is None:
+        now = time.monotonic()
         led.state = State.WORKING if pings.welcome else State.FAILING
-        if pings.unknown.is_set() and time.monotonic() >= not_before:
+        if pings.welcome and now >= touch_at:
+            alive.touch()
+            touch_at = now + alive.PERIOD
+        if pings.unknown.is_set() and now >= not_before:
             return
         time.sleep(POLL)
     raise ArduinoLostError(lost(node))
@@ -126,7 +138,7 @@ def register_again(node: SerialNode, retry: float) -> int:
                 return register(wanted=lambda: node.exit_code is None)
             except RegistrationError as error:
                 if node.exit_code is None:
-                    log.error("%s (again in %g s)", error, retry)
+                    _log.error("%s (again in %g s)", error, retry)
                 ask_at = time.monotonic() + retry
         time.sleep(POLL)
     raise ArduinoLostError(lost(node))

@@ -12,25 +12,23 @@ class Mailbox:
         self._lock = threading.Lock()
         self._commands: dict[int, bytes] = {}
         self._end: str | None = None
-        self._wake_out, self._wake_in = os.pipe()
-        os.set_blocking(self._wake_out, False)
-        os.set_blocking(self._wake_in, False)
+        self._news = os.eventfd(0, os.EFD_NONBLOCK)
 
     def fileno(self) -> int:
         """Readable when there is something new."""
-        return self._wake_out
+        return self._news
 
     def put(self, topic_id: int, payload: bytes) -> None:
         """A command from ROS; replaces one that has not been taken."""
         with self._lock:
             self._commands[topic_id] = payload
-        self._wake()
+        os.eventfd_write(self._news, 1)
 
     def end(self, reason: str) -> None:
         """Ask the owner to end; the first reason counts. Takes no lock: signal handlers call it."""
         if self._end is None:
             self._end = reason
-        self._wake()
+        os.eventfd_write(self._news, 1)
 
     @property
     def ended(self) -> str | None:
@@ -40,11 +38,7 @@ class Mailbox:
     def take(self) -> dict[int, bytes]:
         """The commands since the last call, by topic id."""
         with contextlib.suppress(BlockingIOError):
-            os.read(self._wake_out, 4096)
+            os.eventfd_read(self._news)
         with self._lock:
             commands, self._commands = self._commands, {}
         return commands
-
-    def _wake(self) -> None:
-        with contextlib.suppress(BlockingIOError):  # already full of calls to wake up
-            os.write(self._wake_in, b"!")

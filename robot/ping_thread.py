@@ -9,7 +9,7 @@ import requests
 PERIOD = 0.4  # s
 TIMEOUT = 1.0  # s for the connection, and again for the answer
 
-log = logging.getLogger("robot.ping_thread")
+_log = logging.getLogger(__name__)
 
 
 class PingThread(threading.Thread):
@@ -40,14 +40,14 @@ class PingThread(threading.Thread):
         self._end.set()
 
     def run(self) -> None:
-        log.info("pingThread starts: robot %d at %s", self._robot_id, self._url)
+        _log.info("pingThread starts: robot %d at %s", self._robot_id, self._url)
         with requests.Session() as session:
             session.trust_env = False  # the server is in the LAN: no proxy, no .netrc
             due = time.monotonic()
             while not self._end.wait(max(0.0, due - time.monotonic())):
                 due = max(due + PERIOD, time.monotonic())  # pings missed in an outage are not made up for
                 self._ping(session)
-        log.info("pingThread ends: robot %d", self._robot_id)
+        _log.info("pingThread ends: robot %d", self._robot_id)
 
     def _ping(self, session: requests.Session) -> None:
         try:
@@ -60,11 +60,11 @@ class PingThread(threading.Thread):
         except (requests.RequestException, ValueError, KeyError, TypeError) as error:
             self._outage(f"{error}")
         except Exception as error:  # this thread is the robot's sign of life: nothing may end it silently
-            log.exception("ping failed in an unforeseen way")
+            _log.exception("ping failed unexpectedly")
             self._outage(f"{error!r}")
         else:
             if not self._reachable:
-                log.info("webserver answers again")
+                _log.info("webserver answers again")
             self._reachable = True
             if status == "ERROR":
                 self.unknown.set()
@@ -72,5 +72,5 @@ class PingThread(threading.Thread):
     def _outage(self, reason: str) -> None:
         """Logged once per outage, not per ping."""
         if self._reachable and not self._end.is_set():
-            log.warning("Connection to webserver lost, trying on: %s", reason)
+            _log.warning("Connection to webserver lost, trying again: %s", reason)
         self._reachable = False

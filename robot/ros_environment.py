@@ -25,4 +25,4 @@ def local_address(host: str, port: int) -> str:
             probe.connect((host, port))
             return str(probe.getsockname()[0])
     except OSError as error:
-        raise OSError(f"no way to the ROS master at {host}: {error.strerror or error}") from None
+        raise OSError(f"cannot reach the ROS master at {host}: {error.strerror or error}") from None

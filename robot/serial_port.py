@@ -8,7 +8,7 @@ import time
 
 import serial
 
-from robot.rosserial.session import Lost, Send, Session
+from robot.rosserial.host import Host, Lost, Send
 
 BAUDRATE = 57600
 WRITE_TIMEOUT = 1.0  # s
@@ -91,12 +91,12 @@ def probe(device: str) -> None:
     """
     with SerialPort(device) as port:
         port.reset_on_open(True)
-        session = Session(time.monotonic())
-        while not session.answered:
+        host = Host(time.monotonic())
+        while not host.answered:
             ready, _, _ = select.select([port], [], [], 0.1)
             data = port.read() if ready else b""
-            events = session.receive(data, time.monotonic(), time.time())
-            events += session.tick(time.monotonic(), time.time())
+            events = host.receive(data, time.monotonic(), time.time())
+            events += host.tick(time.monotonic(), time.time())
             for event in events:
                 if isinstance(event, Send):
                     port.write(event.data)

@@ -16,7 +16,7 @@ from robot.gpio_line import GpioLine, NoLineError
 TICK = 0.02  # s; nobody sees that a change is this late
 END_TIMEOUT = 1.0  # s
 
-log = logging.getLogger("robot.status_led")
+_log = logging.getLogger(__name__)
 
 
 class State(Enum):
@@ -24,7 +24,7 @@ class State(Enum):
 
     STARTING = (0.0, 1.0)  # has had no ID yet
     WORKING = (0.5, 0.5)  # has an ID and an Arduino, and the server answers
-    FAILING = (0.1, 0.1)  # lacks one of these, and tries on
+    FAILING = (0.1, 0.1)  # lacks one of these, and tries again
 
 
 def lit(state: State, seconds: float) -> bool:
@@ -34,24 +34,24 @@ def lit(state: State, seconds: float) -> bool:
 
 
 @dataclass
-class Status:
+class Indication:
     """What the LED is to tell: written by the robot's supervisor, read by the LED's thread."""
 
     state: State = State.STARTING
 
 
 class LedThread(threading.Thread):
-    """Shows a status on a line that is lit already; a context manager that leaves the LED dark.
+    """Shows an indication on a line that is lit already; a context manager that leaves the LED dark.
 
     Nobody else uses the line, so nothing ever waits for the LED.
     """
 
-    def __init__(self, status: Status, line: GpioLine) -> None:
+    def __init__(self, indication: Indication, line: GpioLine) -> None:
         super().__init__(name="status LED", daemon=True)
-        self._status = status
+        self._indication = indication
         self._line = line
         self._lit = True
-        self._shown = status.state
+        self._shown = indication.state
         self._since = 0.0  # when that began; no matter for the first, which is lit for ever
         self._end = threading.Event()
 
@@ -69,14 +69,14 @@ class LedThread(threading.Thread):
                 self.update(time.monotonic())
             self._light(False)
         except OSError as error:
-            log.warning("the status LED cannot be set any more: %s", error)
+            _log.warning("the status LED can no longer be set: %s", error)
         finally:
             self._line.release()
 
     def update(self, now: float) -> None:
         """Show what is to be seen at `now`, s of a steady clock; OSError when the line is gone."""
-        if self._status.state is not self._shown:
-            self._shown, self._since = self._status.state, now
+        if self._indication.state is not self._shown:
+            self._shown, self._since = self._indication.state, now
         self._light(lit(self._shown, now - self._since))
 
     def _light(self, lit: bool) -> None:
@@ -86,17 +86,17 @@ class LedThread(threading.Thread):
 
 
 @contextmanager
-def status_led(number: int | None) -> Iterator[Status]:
+def status_led(number: int | None) -> Iterator[Indication]:
     """What the LED at this GPIO tells inside the block. The LED is lit at once, and dark in the end.
 
-    None: the robot has no LED. It works likewise when the GPIO cannot be used, which the log says with the reason.
+    None: the robot has no LED. The same when the GPIO cannot be used; the log then says why.
     """
     line = None
     if number is not None:
         try:
             line = GpioLine.active_low(number)
         except NoLineError as error:
-            log.info("no status LED: %s", error)
-    status = Status()
-    with LedThread(status, line) if line else nullcontext():
-        yield status
+            _log.info("no status LED: %s", error)
+    indication = Indication()
+    with LedThread(indication, line) if line else nullcontext():
+        yield indication

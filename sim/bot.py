@@ -4,18 +4,18 @@ import argparse
 import asyncio
 import contextlib
 import logging
-import os
 import random
-import signal
 import sys
 
 import aiohttp
 
+from laser_bot_battle.log import configure_logging
+from laser_bot_battle.settings import describe, read_or_exit
 from sim.bot_course import Course
-from sim.bot_game import RETRY, Arena, Eyes, GameError, Rosbridge, Status, Web
+from sim.bot_game import PLAYING, RETRY, Arena, Eyes, GameError, Rosbridge, Status, Web
 from sim.bot_mind import NEUTRAL, Command, Mind
-from sim.bot_settings import PREFIX, Settings, following, is_bot
-from sim.environment import SettingsError
+from sim.bot_settings import PREFIX, VARIABLES, Settings, following, is_bot
+from sim.lifecycle import live_until, signalled
 
 TICK = 0.04  # s between two commands
 HEARTBEAT = 1.0  # s between two signs of life
@@ -23,27 +23,25 @@ READY_PAUSE = 0.5  # s between two calls that change ready
 GOODBYE_SECONDS = 2.0
 
 HELP = f"""\
-A bot's name is {PREFIX} and a number; if it is taken, the bot tries the next one. It gets ready when somebody who is
-no bot is ready, and takes that back likewise.
+A bot's name is {PREFIX} and a number; if it is taken, the bot tries the next one. It is ready while a person is ready.
 
-variables: LASERBOT_MASTER, LASERBOT_WEB_PORT (5000), LASERBOT_ROSBRIDGE_PORT (9090), LASERBOT_ARENA_PORT (8080),
-LASERBOT_LOG_LEVEL (info)
+{describe(*VARIABLES)}
 """
 
-log = logging.getLogger("bot")
+_log = logging.getLogger(__name__)
 
 
 class SignedOutError(Exception):
-    """The server does not know this player any more."""
+    """The server no longer knows this player."""
 
 
 def wants_ready(status: Status) -> bool:
-    """Whether a bot is ready to play: when a player who is no bot is."""
+    """Whether a bot is ready to play: while a person is."""
     return any(player.ready and not is_bot(player.name) for player in status.players)
 
 
 class Bot:
-    """Signs in, plays, and does so again whatever is lost."""
+    """Signs up and plays; whatever it loses, it starts again."""
 
     def __init__(self, http: aiohttp.ClientSession, settings: Settings) -> None:
         self._http = http
@@ -72,7 +70,7 @@ class Bot:
                     tasks.create_task(self._stay_signed_in())
                     tasks.create_task(self._use_rosbridge(robot))
             except* SignedOutError:
-                self._tell(f"{self._name} is signed out by the server (robot or server lost); signing up again")
+                self._tell(f"{self._name} is signed out (the robot or the server was lost); signing up again")
                 self._name = ""
 
     async def _sign_up(self) -> int:
@@ -102,7 +100,7 @@ class Bot:
             await asyncio.sleep(RETRY)
 
     async def _stay_signed_in(self) -> None:
-        """Give signs of life; SignedOutError when the server does not know the player any more."""
+        """Give signs of life; SignedOutError when the server no longer knows the player."""
         while True:
             try:
                 if not await self._web.is_signed_in(self._name):
@@ -112,7 +110,7 @@ class Bot:
             await asyncio.sleep(HEARTBEAT)
 
     async def _use_rosbridge(self, robot: int) -> None:
-        """For ever, through restarts of rosbridge."""
+        """Play through rosbridge for ever, also when it is restarted."""
         url = self._settings.rosbridge_url
         while True:
             try:
@@ -135,12 +133,13 @@ class Bot:
         while True:
             status = rosbridge.status
             me = next((player for player in status.players if player.name == self._name), None) if status else None
-            if status and me and status.game == 2 and me.ready and me.life > 0:
+            if status and me and status.game == PLAYING and me.ready and me.life > 0:
                 opponents = {p.robot for p in status.players if p.ready and p.life > 0 and p is not me}
                 await rosbridge.command(self._decide(loop.time(), robot, opponents))
-            else:  # rosbridge itself stops a robot whose driver may not drive any more
+            else:  # rosbridge itself stops a robot whose driver may no longer drive
                 self._mind = None
-                if status and me and status.game != 2 and me.ready != wants_ready(status) and loop.time() > next_ready:
+                due = loop.time() > next_ready
+                if status and me and due and status.game != PLAYING and me.ready != wants_ready(status):
                     next_ready = loop.time() + READY_PAUSE
                     await self._set_ready(not me.ready)
             await asyncio.sleep(TICK)
@@ -148,12 +147,12 @@ class Bot:
     async def _set_ready(self, ready: bool) -> None:
         try:
             await self._web.set_ready(self._name, ready)
-            log.info("%s is %s", self._name, "ready" if ready else "not ready any more")
+            _log.info("%s is %s", self._name, "ready" if ready else "no longer ready")
         except GameError as error:
             self._tell(f"{error}; waiting")
 
     def _decide(self, now: float, robot: int, opponents: set[int]) -> Command:
-        """What to do now; nothing while the arena is not to be seen."""
+        """What to do now; nothing while the arena does not answer."""
         robots = dict(self._eyes.robots())
         me = robots.pop(robot, None)
         arena = self._eyes.arena
@@ -170,24 +169,24 @@ class Bot:
             with contextlib.suppress(GameError, TimeoutError):
                 async with asyncio.timeout(GOODBYE_SECONDS):
                     await self._web.sign_out(self._name)
-                    log.info("%s has signed out", self._name)
+                    _log.info("%s has signed out", self._name)
 
     def _tell(self, text: str) -> None:
-        """Log what has changed; the same thing only once."""
+        """Log what has changed: the same text only once."""
         if text != self._told:
-            log.info("%s", text)
+            _log.info("%s", text)
         self._told = text
 
 
 async def run(settings: Settings) -> None:
     """Play until SIGINT or SIGTERM."""
     jar = aiohttp.CookieJar(unsafe=True)  # unsafe: also keeps cookies of hosts that are given as IP addresses
-    async with aiohttp.ClientSession(cookie_jar=jar, timeout=aiohttp.ClientTimeout(total=3)) as http:
-        playing = asyncio.create_task(Bot(http, settings).run())
-        for signum in (signal.SIGINT, signal.SIGTERM):
-            asyncio.get_running_loop().add_signal_handler(signum, playing.cancel)
-        with contextlib.suppress(asyncio.CancelledError):
-            await playing
+    end = signalled()
+    http = aiohttp.ClientSession(cookie_jar=jar, timeout=aiohttp.ClientTimeout(total=3))
+    async with http, asyncio.TaskGroup() as tasks:
+        playing = tasks.create_task(Bot(http, settings).run())
+        await live_until(end)
+        playing.cancel()
 
 
 def main() -> int:
@@ -201,12 +200,8 @@ def main() -> int:
     parser.add_argument("--rosbridge", metavar="HOST:PORT", help="rosbridge (default: on the master)")
     parser.add_argument("--arena", metavar="HOST:PORT", help="the arena's page (default: on the master)")
     arguments = parser.parse_args()
-    try:
-        settings = Settings.read(os.environ, **vars(arguments))
-    except SettingsError as error:
-        print(f"bot: {error}", file=sys.stderr)
-        return 2
-    logging.basicConfig(level=settings.log_level, format="%(asctime)s %(name)s %(levelname)s %(message)s")
+    settings = read_or_exit("bot", lambda env: Settings.read(env, **vars(arguments)))
+    configure_logging(settings.log_level)
     asyncio.run(run(settings))
     return 0
 

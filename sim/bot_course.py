@@ -1,4 +1,4 @@
-"""Ways around the walls of the arena, for the bot. Pure."""
+"""Paths around the walls of the arena, for the bot. Pure."""
 
 import math
 from collections import deque
@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from sim.arena.geometry import ROBOT_RADIUS, Point, Wall, nearest_on_wall
 
 CELL = 0.04  # m; the floor is searched as a grid of such squares
-CLEARANCE = ROBOT_RADIUS + 0.015  # m from walls, so that a robot that is a little off its way does not touch
-PROBE = 0.02  # m between the points of a straight way that are looked at
+CLEARANCE = ROBOT_RADIUS + 0.015  # m from walls, so that a robot that is a little off its path does not touch
+PROBE = 0.02  # m between the checked points of a straight line
 
 Cell = tuple[int, int]
 _STEPS = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
@@ -31,18 +31,18 @@ class Course:
         return [_centre(cell) for cell in sorted(self._free)]
 
     def next_point(self, start: Point, goal: Point) -> Point:
-        """Where to drive straight to from `start` on the way to `goal`; `goal` itself if nothing is in between."""
+        """Where to drive straight to from `start` on a path to `goal`: `goal` itself if nothing is in between."""
         if not self._free or self._is_straight(start, goal):
             return goal
         first, last = self._nearest_free(start), self._nearest_free(goal)
         towards = self._search(last)
         if first not in towards:
             return goal
-        way = [first]
-        while way[-1] != last:
-            way.append(towards[way[-1]])
+        path = [first]
+        while path[-1] != last:
+            path.append(towards[path[-1]])
         point = _centre(first)
-        for cell in way:
+        for cell in path:
             if not self._is_straight(start, _centre(cell)):
                 break
             point = _centre(cell)
@@ -60,7 +60,7 @@ class Course:
         return own if own in self._free else min(self._free, key=lambda cell: math.dist(point, _centre(cell)))
 
     def _search(self, goal: Cell) -> dict[Cell, Cell]:
-        """From each cell that can reach `goal`, the next cell on a shortest way."""
+        """From each cell that can reach `goal`, the next cell on a shortest path."""
         towards = {goal: goal}
         edge = deque([goal])
         while edge:

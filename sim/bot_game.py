@@ -9,22 +9,24 @@ from typing import Any
 
 import aiohttp
 
+from laser_bot_battle.names import GAME_STATUS, command_topic
 from sim.arena.geometry import Pose, Wall
 from sim.bot_mind import Command
 
 RETRY = 1.0  # s between attempts to connect
 BLIND_AFTER = 1.0  # s without a state of the arena
+PLAYING = 2  # of GameStatus.msg, whose generated class needs ROS, which a bot does not
 
-log = logging.getLogger("bot")
+_log = logging.getLogger(__name__)
 
 
 class GameError(Exception):
-    """The web server cannot be reached or does not make sense; the text says why."""
+    """The web server does not answer, or not as it should; the text says why."""
 
 
 @dataclass(frozen=True)
 class Player:
-    """A signed-in player as /game_status shows him."""
+    """A signed-in player as /game_status shows it."""
 
     name: str
     robot: int
@@ -34,14 +36,14 @@ class Player:
 
 @dataclass(frozen=True)
 class Status:
-    """The battle's state: `game` is 0 stopped, 1 countdown or 2 playing."""
+    """The battle's state: `game` is one of the constants in GameStatus.msg."""
 
     game: int
     players: tuple[Player, ...]
 
     @classmethod
     def from_message(cls, message: Mapping[str, Any]) -> "Status":
-        """From a GameStatus as rosbridge sends it; KeyError, TypeError or ValueError if it is none."""
+        """From a GameStatus as rosbridge sends it; KeyError, TypeError or ValueError if it is not one."""
         players = tuple(
             Player(str(user["name"]), int(user["robot"]), int(user["life"]), bool(user["ready"]))
             for user in message["users"]
@@ -50,7 +52,7 @@ class Status:
 
 
 class Web:
-    """The web server's HTTP interface (behaviour as the player's page uses it)."""
+    """The web server's HTTP interface, as the player's page uses it."""
 
     def __init__(self, http: aiohttp.ClientSession, url: str) -> None:
         self._http = http
@@ -72,7 +74,7 @@ class Web:
         try:
             return any(user["name"] == name for user in json.loads(status["users"]))
         except (KeyError, TypeError, ValueError) as error:
-            raise GameError(f"the server's status is not understood: {error!r}") from None
+            raise GameError(f"cannot understand the server's status: {error!r}") from None
 
     async def _post(self, call: str, **form: str) -> dict[str, Any]:
         """The JSON object that the server answers; GameError."""
@@ -82,21 +84,21 @@ class Web:
         except (aiohttp.ClientError, TimeoutError, OSError, ValueError) as error:
             raise GameError(f"no game server at {self._url}: {error or type(error).__name__}") from None
         if not isinstance(answer, dict):
-            raise GameError(f"{call}: the server's answer is no object")
+            raise GameError(f"{call}: the server's answer is not a JSON object")
         return answer
 
 
 class Rosbridge:
-    """An open connection to rosbridge that may drive one robot; the session's cookie says whose it is."""
+    """An open connection to rosbridge that may drive one robot: the session's cookie, sent with it, says who drives."""
 
     def __init__(self, socket: aiohttp.ClientWebSocketResponse, robot: int) -> None:
         self._socket = socket
-        self._topic = f"/Robot{robot}/command"
+        self._topic = command_topic(robot)
         self.status: Status | None = None
 
     async def start(self) -> None:
         """Ask for the battle's state and announce the commands."""
-        await self._socket.send_json({"op": "subscribe", "topic": "/game_status"})
+        await self._socket.send_json({"op": "subscribe", "topic": GAME_STATUS})
         await self._socket.send_json({"op": "advertise", "topic": self._topic, "type": "laser_bot_battle/Robot_msg"})
 
     async def follow(self) -> None:
@@ -106,12 +108,12 @@ class Rosbridge:
                 continue
             try:
                 message = json.loads(frame.data)
-                if message.get("op") == "publish" and message.get("topic") == "/game_status":
+                if message.get("op") == "publish" and message.get("topic") == GAME_STATUS:
                     self.status = Status.from_message(message["msg"])
                 elif message.get("op") == "status" and message.get("level") in {"error", "warning"}:
-                    log.warning("rosbridge: %s", message.get("msg"))
+                    _log.warning("rosbridge: %s", message.get("msg"))
             except (AttributeError, KeyError, TypeError, ValueError) as error:
-                log.warning("a message of rosbridge is not understood: %r", error)
+                _log.warning("cannot understand a message from rosbridge: %r", error)
 
     async def command(self, command: Command) -> None:
         await self._socket.send_json(
@@ -143,7 +145,7 @@ class Eyes:
         self.arena: Arena | None = None
 
     def robots(self) -> dict[int, Pose]:
-        """Where the robots are now, by ID; empty when the arena is not to be seen."""
+        """Where the robots are now, by ID; empty when the arena does not answer."""
         late = asyncio.get_running_loop().time() - self._seen_at
         return self._robots if late < BLIND_AFTER else {}
 
@@ -153,14 +155,14 @@ class Eyes:
         while True:
             try:
                 async with self._http.ws_connect(self._url, heartbeat=5) as socket:
-                    log.info("watching the arena at %s", self._url)
+                    _log.info("watching the arena at %s", self._url)
                     told = False
                     async for frame in socket:
                         if frame.type is aiohttp.WSMsgType.TEXT:
                             self._take(json.loads(frame.data))
             except (aiohttp.ClientError, TimeoutError, OSError, KeyError, TypeError, ValueError) as error:
                 if not told:
-                    log.warning("the arena at %s is not to be seen: %s; standing still", self._url, error)
+                    _log.warning("the arena at %s does not answer: %s; standing still", self._url, error)
                 told = True
             await asyncio.sleep(RETRY)
 

@@ -1,6 +1,6 @@
 """How the bot plays: from what it sees to what it commands. Pure; made to be beaten by people.
 
-It sees others late, aims badly, takes its time between shots and sometimes drives elsewhere instead of fighting on.
+It sees others late, aims badly, waits between shots, and sometimes drives elsewhere instead of fighting.
 """
 
 import math
@@ -19,9 +19,9 @@ CLOSE = 0.35  # m; nearer than this it does not drive at its opponent
 TRIGGER = 0.12  # s that a shot is commanded, so that a lost command does not lose it
 ROAM = (1.5, 3.0)  # s of driving elsewhere
 ARRIVED = 0.04  # m
-TURN_FIRST = 0.6  # rad off its way: turn in place
-CURVE = 0.12  # rad off its way: correct while driving
-REPLAN = 0.3  # s that a way is good for
+TURN_FIRST = 0.6  # rad off its path: turn in place
+CURVE = 0.12  # rad off its path: correct while driving
+REPLAN = 0.3  # s until a path is planned again
 STUCK_AFTER = 0.8  # s of driving
 STUCK_WITHIN = 0.015  # m
 BACK_OFF = (0.5, 1.0)  # s
@@ -44,7 +44,7 @@ class Skill:
     """How good a player is. With the defaults somebody who does nothing loses 100 life in 60 to 90 s."""
 
     mercy: float = 3.0  # s from the start of a battle to the first shot
-    reaction: float = 0.4  # s between what happens and the bot's seeing it
+    reaction: float = 0.4  # s from an event until the bot sees it
     aim_error: float = math.radians(14)  # standard deviation of a shot's direction
     reload: tuple[float, float] = (1.7, 3.2)  # s between two shots
     rest: tuple[float, float] = (0.6, 1.5)  # s of standing still after a shot
@@ -71,7 +71,7 @@ class Mind:
         self._roam_to: Point = (0.0, 0.0)
         self._back_off_until = 0.0
         self._back_off = NEUTRAL
-        self._way: tuple[float, Point] = (-math.inf, (0.0, 0.0))
+        self._path: tuple[float, Point] = (-math.inf, (0.0, 0.0))
         self._drive_began: tuple[float, Point] | None = None
 
     def decide(self, now: float, me: Pose, others: Mapping[int, Point], opponents: Collection[int]) -> Command:
@@ -131,17 +131,17 @@ class Mind:
             self._roam_until = start + self._chance.uniform(*ROAM)
 
     def _drive_to(self, now: float, me: Pose, goal: Point) -> Command:
-        planned, point = self._way
+        planned, point = self._path
         if now - planned > REPLAN:
             point = self._course.next_point(me.point, goal)
-            self._way = (now, point)
+            self._path = (now, point)
         off = wrap(bearing(me.point, point) - me.heading)
         if abs(off) > TURN_FIRST:
             return _turn(off)
         return Command(1, _turn(off).angular_z if abs(off) > CURVE else 0)
 
     def _seen(self, now: float, others: Mapping[int, Point]) -> Mapping[int, Point]:
-        """What the bot knows now of the others: what was to be seen a reaction time ago."""
+        """What the bot knows now of the others: what could be seen a reaction time ago."""
         self._views.append((now, dict(others)))
         while len(self._views) > 1 and self._views[1][0] <= now - self._skill.reaction:
             self._views.popleft()
@@ -149,7 +149,7 @@ class Mind:
         return view if seen <= now - self._skill.reaction else {}
 
     def _is_stuck(self, now: float, me: Pose, command: Command) -> bool:
-        """Whether the robot has been driving and not come forward."""
+        """Whether the robot has been driving without moving."""
         if command.linear_x == 0 or now < self._back_off_until:
             self._drive_began = None
             return False

@@ -1,12 +1,14 @@
-"""The bot's configuration, from LASERBOT_ variables and arguments."""
+"""The bot's settings, from environment variables and arguments."""
 
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sim.environment import SettingsError, parse_port, read_log_level, read_port
+from laser_bot_battle.settings import SettingsError
+from laser_bot_battle.variables import ARENA, LOG_LEVEL, MASTER, ROSBRIDGE, WEB
 
-PREFIX = "Bot"  # a bot is called this and a number: it fights only when somebody plays who is called otherwise
+VARIABLES = (MASTER, WEB, ROSBRIDGE, ARENA, LOG_LEVEL)
+PREFIX = "Bot"  # a bot is called this and a number; players with other names are people
 _ROBOT = re.compile(r"[0-9]{1,3}")
 _NAME = re.compile(PREFIX + r"[0-9]{1,13}")  # at most 16 letters, like every player's
 
@@ -17,12 +19,9 @@ class Settings:
 
     name: str
     robot: int | None  # the ID of the robot to drive, None for any
-    master: str
-    web_port: int
-    rosbridge_host: str
-    rosbridge_port: int
-    arena_host: str
-    arena_port: int
+    web_url: str
+    rosbridge_url: str
+    view_url: str
     log_level: str
 
     @classmethod
@@ -36,50 +35,34 @@ class Settings:
         arena: str | None = None,
         robot: str | None = None,
     ) -> "Settings":
-        """`rosbridge` and `arena` are "host:port", or on the master.
-
-        SettingsError if a value is impossible; an empty variable counts as not set.
-        """
+        """`rosbridge` and `arena` are "host:port", or on the master. SettingsError for an impossible value."""
         if not is_bot(name):
             raise SettingsError(f"--name {name}: must be {PREFIX} and a number of up to 13 digits")
         if robot is not None and not _ROBOT.fullmatch(robot):
             raise SettingsError(f"--robot {robot}: must be the ID of a robot")
-        master = master or env.get("LASERBOT_MASTER") or "laser_bot_master.local"
-        rosbridge_host, rosbridge_port = _place(env, "--rosbridge", rosbridge, "LASERBOT_ROSBRIDGE_PORT", 9090)
-        arena_host, arena_port = _place(env, "--arena", arena, "LASERBOT_ARENA_PORT", 8080)
+        host = master or MASTER.read(env)
+        rosbridge = _place("--rosbridge", rosbridge) if rosbridge else f"{host}:{ROSBRIDGE.read(env)}"
+        arena = _place("--arena", arena) if arena else f"{host}:{ARENA.read(env)}"
         return cls(
             name=name,
             robot=None if robot is None else int(robot),
-            master=master,
-            web_port=read_port(env, "LASERBOT_WEB_PORT", 5000),
-            rosbridge_host=rosbridge_host or master,
-            rosbridge_port=rosbridge_port,
-            arena_host=arena_host or master,
-            arena_port=arena_port,
-            log_level=read_log_level(env),
+            web_url=f"http://{host}:{WEB.read(env)}",
+            rosbridge_url=f"ws://{rosbridge}",
+            view_url=f"ws://{arena}/view",
+            log_level=LOG_LEVEL.read(env),
         )
 
-    @property
-    def web_url(self) -> str:
-        return f"http://{self.master}:{self.web_port}"
 
-    @property
-    def rosbridge_url(self) -> str:
-        return f"ws://{self.rosbridge_host}:{self.rosbridge_port}"
-
-    @property
-    def view_url(self) -> str:
-        return f"ws://{self.arena_host}:{self.arena_port}/view"
-
-
-def _place(env: Mapping[str, str], option: str, text: str | None, variable: str, default: int) -> tuple[str, int]:
-    """Host (empty: the master) and port of a service."""
-    if not text:
-        return "", read_port(env, variable, default)
+def _place(option: str, text: str) -> str:
+    """`text` itself, which must be host:port."""
     host, _, port = text.rpartition(":")
+    try:
+        WEB.parse(port)  # as every port
+    except ValueError as error:
+        raise SettingsError(f"{option} {text}: the port {error}") from None
     if not host:
         raise SettingsError(f"{option} {text}: must be HOST:PORT")
-    return host, parse_port(port, f"{option} port")
+    return text
 
 
 def is_bot(name: str) -> bool:

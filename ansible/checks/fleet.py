@@ -92,7 +92,7 @@ def resolved(name: str) -> str:
     return name
 
 
-def until(condition: Callable[[], bool], seconds: float, what: str) -> None:
+def until(condition: Callable[..., bool], seconds: float, what: str) -> None:
     """Ask until it is so; AssertionError after `seconds`."""
     deadline = time.monotonic() + seconds
     while not condition():

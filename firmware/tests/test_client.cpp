@@ -171,7 +171,7 @@ TEST(a_time_request_waits_for_room) {
   CHECK_EQUAL(TIME_REQUEST, device.line.take());
 }
 
-TEST(the_link_is_given_up_11_s_after_the_last_time_answer) {
+TEST(the_connection_is_given_up_11_s_after_the_last_time_answer) {
   Device device;
   const uint32_t start = UINT32_MAX - 5000;  // the clock wraps on the way
   device.connect(start);
@@ -185,7 +185,7 @@ TEST(the_link_is_given_up_11_s_after_the_last_time_answer) {
   CHECK_EQUAL(std::string(""), device.line.take());
 }
 
-TEST(commands_alone_do_not_keep_the_link) {
+TEST(commands_alone_do_not_keep_the_connection) {
   Device device;
   device.connect(0);
   for (uint32_t now = 0; now <= 11001; now += 25) device.receive(FORWARD, now);
@@ -193,7 +193,7 @@ TEST(commands_alone_do_not_keep_the_link) {
   CHECK(!device.client.configured());
 }
 
-TEST(a_link_that_was_given_up_comes_back_with_the_next_request) {
+TEST(a_connection_that_was_given_up_comes_back_with_the_next_request) {
   Device device;
   device.connect(0);
   device.client.spin(11001);
@@ -241,14 +241,14 @@ TEST(hits_wait_for_room_and_none_is_lost) {
   CHECK_EQUAL(HIT, device.line.take());
 }
 
-TEST(a_hit_without_a_link_is_not_reported_later) {
+TEST(a_hit_without_a_connection_is_not_reported_later) {
   Device device;
   device.client.publish_empty();
   device.receive(TOPIC_REQUEST, 1000);
   CHECK_EQUAL(NEGOTIATION, device.line.take());
 }
 
-TEST(a_hit_that_waits_when_the_link_ends_is_not_reported_later) {
+TEST(a_hit_that_waits_when_the_connection_ends_is_not_reported_later) {
   Device device;
   device.connect(0);
   device.line.free = 0;

@@ -123,7 +123,7 @@ class Types:
             return array_decoder(self._decoder(element), length)
         if field_type in SCALAR_DECODERS:
             return SCALAR_DECODERS[field_type]
-        return self.message(whole_name(field_type)).decode
+        return self.message(full_name(field_type)).decode
 
     def _encoder(self, field_type: str) -> Encoder:
         if array := ARRAY.fullmatch(field_type):
@@ -135,20 +135,20 @@ class Types:
             return array_encoder(self._encoder(element))
         if field_type in SCALAR_ENCODERS:
             return SCALAR_ENCODERS[field_type]
-        return self.message(whole_name(field_type)).encode
+        return self.message(full_name(field_type)).encode
 
 
 def find_class(find: Callable[[str], type[Any] | None], name: str, kind: str) -> type[Any]:
     """The generated class of a type name; ConversionError for a malformed or unknown name."""
     if not TYPE_NAME.fullmatch(name):
-        raise ConversionError(f"{name[:80]!r} is no {kind} type; write package/Name")
+        raise ConversionError(f"{name[:80]!r} is not a {kind} type; write package/Name")
     found = find(name)
     if found is None:
         raise ConversionError(f"the {kind} type {name[:80]} is unknown here")
     return found
 
 
-def whole_name(field_type: str) -> str:
+def full_name(field_type: str) -> str:
     """The .msg language allows a bare Header."""
     return "std_msgs/Header" if field_type == "Header" else field_type
 

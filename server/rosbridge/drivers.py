@@ -1,45 +1,43 @@
-"""Robots that somebody keeps moving, so that they are stopped when that somebody may no longer, or is gone."""
+"""Robots that somebody keeps moving, so that they are stopped when that somebody may no longer drive, or is gone."""
 
-import re
-from typing import Any
+from collections.abc import Hashable
 
+from laser_bot_battle.msg import Robot_msg
+from laser_bot_battle.names import ROBOT_IDS, command_topic
+from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Gate, Identity
 
-COMMANDS = re.compile(r"/Robot\d+/command", re.ASCII)
-
-
-def is_command_topic(topic: str) -> bool:
-    return COMMANDS.fullmatch(topic) is not None
+COMMAND_TOPICS = frozenset(map(command_topic, ROBOT_IDS))
 
 
 class Drivers:
-    """The robots whose last command through this rosbridge was not neutral, each with the one who sent it."""
+    """The robots whose last command through this rosbridge was not neutral, each with the client that sent it. What
+    stops robots is returned as neutral commands: neither moving nor shooting."""
 
     def __init__(self) -> None:
-        self._moving: dict[str, tuple[object, Identity]] = {}
+        self._moving: dict[str, tuple[Hashable, Identity]] = {}
 
-    def commanded(self, client: object, who: Identity, topic: str, message: Any) -> None:
-        """`client` (a session) has published the Robot_msg `message` on `topic`."""
-        if not is_command_topic(topic):
+    def commanded(self, client: Hashable, who: Identity, topic: str, command: Robot_msg) -> None:
+        """`client` has published `command` on `topic`."""
+        if topic not in COMMAND_TOPICS:
             return
-        if message.linear_x or message.angular_z or message.shoot:
+        if command.linear_x or command.angular_z or command.shoot:
             self._moving[topic] = (client, who)
         else:
             self._moving.pop(topic, None)
 
-    def left(self, client: object, topic: str | None = None) -> list[str]:
-        """The topics to stop because `client` is gone, or no longer advertises `topic`. The last to command counts."""
+    def stop(self, client: Hashable, topic: str | None = None) -> list[Publish]:
+        """`client` is gone, or no longer advertises `topic`. Robots that another has commanded since keep moving."""
         return self._stop([t for t, (last, _) in self._moving.items() if last is client and topic in (None, t)])
 
-    def refused(self, gate: Gate, now: float) -> list[str]:
-        """The topics to stop because who keeps them moving may no longer."""
+    def stop_refused(self, gate: Gate, now: float) -> list[Publish]:
+        """Who may no longer drive is stopped."""
         return self._stop([t for t, (_, who) in self._moving.items() if gate.refuses_publishing(who, t, now)])
 
-    def all(self) -> list[str]:
-        """All topics to stop."""
+    def stop_all(self) -> list[Publish]:
         return self._stop(list(self._moving))
 
-    def _stop(self, topics: list[str]) -> list[str]:
+    def _stop(self, topics: list[str]) -> list[Publish]:
         for topic in topics:
             del self._moving[topic]
-        return topics
+        return [Publish(topic, Robot_msg()) for topic in topics]

@@ -1,4 +1,4 @@
-"""What a client's session asks of the world: plain values that the bridge carries out, in order."""
+"""What a client's operations ask for: plain values that the bridge carries out, in order."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple

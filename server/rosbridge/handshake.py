@@ -1,11 +1,11 @@
 """Who opens a WebSocket: the session cookie in the handshake, if the page that sends it is one of ours."""
 
-from collections.abc import Mapping
 from urllib.parse import urlsplit
 
-from server.rosbridge.gate import ANYBODY, Identity, session_identity
+from werkzeug.sansio.http import parse_cookie
 
-COOKIE = "laserbot_session"
+from laser_bot_battle.names import SESSION_COOKIE
+from server.rosbridge.gate import GUEST, Identity, session_identity
 
 
 def identity_of(origin: str | None, host: str | None, cookies: list[str]) -> Identity:
@@ -15,9 +15,9 @@ def identity_of(origin: str | None, host: str | None, cookies: list[str]) -> Ide
     so its cookie is ignored: it may watch. Programs that send no Origin choose their cookies themselves.
     """
     if origin is not None and host_name(origin) != host_name(f"//{host}"):
-        return ANYBODY
-    token = parse_cookies(cookies).get(COOKIE)
-    return session_identity(token) if token else ANYBODY
+        return GUEST
+    token = parse_cookie(";".join(cookies)).get(SESSION_COOKIE)  # of two the first, which has the longer path
+    return session_identity(token) if token else GUEST
 
 
 def host_name(url: str) -> str | None:
@@ -26,9 +26,3 @@ def host_name(url: str) -> str | None:
         return urlsplit(url).hostname
     except ValueError:
         return None
-
-
-def parse_cookies(headers: list[str]) -> Mapping[str, str]:
-    """Name and value of each cookie (RFC 6265 4.2.1); of two of one name the first, which is the more specific."""
-    pairs = [pair.partition("=") for header in headers for pair in header.split(";")]
-    return {name.strip(): value.strip().strip('"') for name, _, value in reversed(pairs)}

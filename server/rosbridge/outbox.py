@@ -2,8 +2,8 @@
 
 from collections import deque
 
-MOST_REPLIES = 200
-MOST_BYTES = 4 * 2**20
+MAX_REPLIES = 200
+MAX_BYTES = 4 * 2**20
 
 
 class Outbox:
@@ -18,17 +18,17 @@ class Outbox:
         return bool(self._order)
 
     @property
-    def hopeless(self) -> bool:
+    def is_full(self) -> bool:
         """More waits than a client that still reads would ever leave."""
-        return len(self._texts[""]) > MOST_REPLIES or self._bytes > MOST_BYTES
+        return len(self._texts[""]) > MAX_REPLIES or self._bytes > MAX_BYTES
 
     def reply(self, text: str) -> None:
         self._put("", text)
 
-    def message(self, topic: str, text: str, most: int) -> None:
-        """A message of `topic`; when `most` of them wait already, the oldest gives way."""
+    def message(self, topic: str, text: str, queue_length: int) -> None:
+        """A message of `topic`; when `queue_length` of them wait already, the oldest gives way."""
         waiting = self._texts.get(topic, ())
-        if len(waiting) >= most:
+        if len(waiting) >= queue_length:
             self._order.remove(topic)
             self._take(topic)
         self._put(topic, text)

@@ -1,7 +1,7 @@
-"""rosbridge's topics in ROS: rospy at arm's length.
+"""rosbridge's topics in ROS, by rospy.
 
-rospy talks to the master in the calling thread, and calls back from threads of its own. Here the first is done by one
-thread beside the event loop, in order, and the second hops to the event loop, so that neither ever blocks a client.
+rospy talks to the master in the calling thread, and calls back from threads of its own. Here one thread beside the
+event loop talks to the master, in order, and what comes back is handed to the event loop, so that no client ever waits.
 """
 
 import asyncio
@@ -17,7 +17,7 @@ import rospy
 
 from server.rosbridge.command_publisher import command_publisher
 from server.rosbridge.conversion import MessageType
-from server.rosbridge.drivers import is_command_topic
+from server.rosbridge.drivers import COMMAND_TOPICS
 
 T = TypeVar("T")
 _log = logging.getLogger(__name__)
@@ -57,7 +57,7 @@ class Registrar:
                 result = job()
             except Exception as error:  # belongs to whoever awaits it
                 failure = error
-            hop(self._loop, lambda: done(result, failure))
+            call_in_loop(self._loop, lambda: done(result, failure))
 
         self._jobs.put(work)
         return future
@@ -67,8 +67,8 @@ class Registrar:
             self._jobs.get()()
 
 
-def hop(loop: asyncio.AbstractEventLoop, call: Callable[[], None]) -> None:
-    """Call `call` in the event loop, from another thread; nothing once the loop is closed."""
+def call_in_loop(loop: asyncio.AbstractEventLoop, call: Callable[[], None]) -> None:
+    """Call `call` in the event loop, from another thread; nothing happens once the loop is closed."""
     with contextlib.suppress(RuntimeError):
         loop.call_soon_threadsafe(call)
 
@@ -100,7 +100,7 @@ class TopicPublisher:
 
     def _open(self) -> None:
         """In the registrar's thread."""
-        if is_command_topic(self._topic):
+        if self._topic in COMMAND_TOPICS:
             self._registered = command_publisher(self._topic, self.message_class)
         else:
             self._registered = rospy.Publisher(
@@ -127,7 +127,7 @@ class TopicSubscriber:
         self._topic, self._type, self._deliver = topic, message_type, deliver
         self._loop, self._registrar = loop, registrar
         self._waiting: deque[Any] = deque(maxlen=SUBSCRIBER_QUEUE)
-        self._hopping = False
+        self._take_is_due = False
         self._closed = False
         self._subscriber: rospy.Subscriber | None = None
         registrar.run(self._open).add_done_callback(self._opened)
@@ -144,14 +144,14 @@ class TopicSubscriber:
             _log.error("cannot subscribe to %s: %s", self._topic, error)
 
     def _received(self, message: Any) -> None:
-        """In rospy's thread. One hop takes along all that has come meanwhile."""
+        """In rospy's thread. One call in the event loop takes all that has come meanwhile."""
         self._waiting.append(message)
-        if not self._hopping:
-            self._hopping = True
-            hop(self._loop, self._take)
+        if not self._take_is_due:
+            self._take_is_due = True
+            call_in_loop(self._loop, self._take)
 
     def _take(self) -> None:
-        self._hopping = False
+        self._take_is_due = False
         while self._waiting and not self._closed:
             message = self._waiting.popleft()
             if message._connection_header.get("latching") == "1":

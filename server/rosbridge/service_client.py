@@ -13,7 +13,7 @@ from server.rosbridge.conversion import ServiceType, Types
 from server.rosbridge.ros import Registrar
 from server.rosbridge.wire import RequestError
 
-LONGEST_BLOCK = 4 * 2**20  # bytes
+MAX_BLOCK_SIZE = 4 * 2**20  # bytes
 
 
 class ServiceClient:
@@ -31,7 +31,7 @@ class ServiceClient:
         except TimeoutError:
             raise RequestError(f"no response within {timeout:g} s") from None
         except (OSError, EOFError) as error:
-            raise RequestError(f"the service broke off: {error}") from None
+            raise RequestError(f"the connection to the service broke: {error}") from None
 
     async def _call(self, service: str, args: Any) -> dict[str, Any]:
         try:
@@ -43,7 +43,7 @@ class ServiceClient:
         try:
             service_type = await self._shake_hands(service, reader, writer)
             buffer = io.BytesIO()
-            service_type.request.decode(named(args, service_type), "").serialize(buffer)
+            service_type.request.decode(request_object(args, service_type), "").serialize(buffer)
             writer.write(struct.pack("<I", buffer.tell()) + buffer.getvalue())
             succeeded = await reader.readexactly(1)
             answer = await read_block(reader)
@@ -54,7 +54,7 @@ class ServiceClient:
         try:
             response = service_type.response.message_class().deserialize(answer)
         except genpy.DeserializationError as error:
-            raise RequestError(f"the response is no {service_type.name}: {error}") from None
+            raise RequestError(f"the response is not a {service_type.name}: {error}") from None
         return service_type.response.encode(response)
 
     async def _shake_hands(
@@ -79,12 +79,12 @@ class ServiceClient:
 async def read_block(reader: asyncio.StreamReader) -> bytes:
     """A length (uint32, little endian) and that many bytes."""
     (length,) = struct.unpack("<I", await reader.readexactly(4))
-    if length > LONGEST_BLOCK:
-        raise RequestError(f"the service sends {length} bytes, more than {LONGEST_BLOCK}")
+    if length > MAX_BLOCK_SIZE:
+        raise RequestError(f"the service sends {length} bytes, more than {MAX_BLOCK_SIZE}")
     return await reader.readexactly(length)
 
 
-def named(args: Any, service_type: ServiceType) -> dict[str, Any]:
+def request_object(args: Any, service_type: ServiceType) -> dict[str, Any]:
     """The request as an object: a list gives its fields in order."""
     if type(args) is dict:
         return args

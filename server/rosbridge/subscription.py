@@ -15,28 +15,28 @@ class Subscription:
         self.client = client
         self.queue_length = 0
         self._throttle = 0.0  # s between messages
-        self._wishes: dict[Id, tuple[float, int]] = {}
+        self._terms: dict[Id, tuple[float, int]] = {}  # throttle and queue length by request
         self._head = f'{{"op":"publish","topic":{dumps(topic)},"msg":'
         self._waiting: deque[str] = deque()
         self._next = float("-inf")  # when the next message may be sent
 
     @property
     def requests(self) -> int:
-        return len(self._wishes)
+        return len(self._terms)
 
     def has(self, request_id: Id) -> bool:
-        return request_id in self._wishes
+        return request_id in self._terms
 
     def add(self, request_id: Id, throttle: float, queue_length: int) -> None:
         """One more request to subscribe, or other terms for an earlier one; `throttle` in s."""
-        self._wishes[request_id] = (throttle, queue_length)
+        self._terms[request_id] = (throttle, queue_length)
         self._agree()
 
     def remove(self, request_id: Id) -> bool:
         """Forget that request; true when none is left."""
-        del self._wishes[request_id]
+        del self._terms[request_id]
         self._agree()
-        return not self._wishes
+        return not self._terms
 
     def offer(self, message: str, now: float) -> str | None:
         """A message (JSON text) has come: the text to send at once, if any."""
@@ -66,6 +66,6 @@ class Subscription:
         self._waiting.clear()
 
     def _agree(self) -> None:
-        self._throttle = min((throttle for throttle, _ in self._wishes.values()), default=0.0)
-        self.queue_length = max((length for _, length in self._wishes.values()), default=0)
+        self._throttle = min((throttle for throttle, _ in self._terms.values()), default=0.0)
+        self.queue_length = max((length for _, length in self._terms.values()), default=0)
         self._waiting = deque(self._waiting, maxlen=self.queue_length)

@@ -1,95 +1,31 @@
-"""The WebSocket server: sockets, limits, and clients that are slow, silent or rude."""
+"""The WebSocket server: who is let in, and how much a client may send."""
 
 import asyncio
-import contextlib
 import logging
 import socket
-import struct
 from http import HTTPStatus
 from types import TracebackType
 from typing import Self
 
-from websockets.asyncio.server import Server, ServerConnection, broadcast, serve
+from websockets.asyncio.server import Server, ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 from server.rosbridge.bridge import Bridge
+from server.rosbridge.connection import Connection
 from server.rosbridge.handshake import identity_of
-from server.rosbridge.outbox import Outbox
 
 _log = logging.getLogger(__name__)
 
-MOST_CLIENTS = 100
-LONGEST_MESSAGE = 64 * 2**10  # bytes; longer ones close the socket with 1009
+MAX_CLIENTS = 100
+MAX_MESSAGE_SIZE = 64 * 2**10  # bytes; longer messages close the socket with 1009
 PING_INTERVAL = 5.0  # s
 PING_TIMEOUT = 5.0  # s without pong: the line is dead
 CLOSE_TIMEOUT = 1.0  # s for the other side to agree to the end
-STALL = 5.0  # s in which a client has taken nothing at all: it is given up
-# What kernel and transport may hold for a slow client. More would only make its news older.
-SEND_BUFFER = 64 * 2**10  # bytes
+# What the transport may hold for a slow client. More would only make its news older.
 WRITE_LIMIT = 4 * 2**10  # bytes
 # Messages that one client may have handled before the others get their turn.
-TURN = 16
-
-
-class Client:
-    """One WebSocket. What cannot be sent at once waits in a bounded outbox."""
-
-    def __init__(self, connection: ServerConnection) -> None:
-        host, port, *_ = connection.remote_address or ("nobody", 0)
-        self.name = f"{host}:{port}"
-        self._connection = connection
-        self._outbox = Outbox()
-        self._filled = asyncio.Event()
-        self._sending_since: float | None = None
-        self._socket = connection.transport.get_extra_info("socket")
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
-
-    def reply(self, text: str) -> None:
-        if not self._send_now(text):
-            self._outbox.reply(text)
-            self._wait()
-
-    def message(self, topic: str, text: str, most: int) -> None:
-        """A message of a topic; while the client is slow, the newest `most` are kept."""
-        if not self._send_now(text):
-            self._outbox.message(topic, text, most)
-            self._wait()
-
-    def check(self, now: float) -> None:
-        """Give the client up when it has taken nothing for too long (its pings stand in the same queue)."""
-        if self._sending_since is not None and now - self._sending_since > STALL:
-            self._give_up(f"it has not read for {STALL:g} s")
-
-    async def send_all(self) -> None:
-        """Send what comes, until cancelled or the socket is closed."""
-        loop = asyncio.get_running_loop()
-        with contextlib.suppress(ConnectionClosed):
-            while True:
-                await self._filled.wait()
-                self._filled.clear()
-                while self._outbox:
-                    self._sending_since = loop.time()
-                    await self._connection.send(self._outbox.next())
-                self._sending_since = None
-
-    def _send_now(self, text: str) -> bool:
-        """Send without a detour by the outbox, unless something is before it."""
-        if self._outbox or self._connection.transport.get_write_buffer_size():
-            return False
-        broadcast((self._connection,), text)
-        return True
-
-    def _wait(self) -> None:
-        self._filled.set()
-        if self._outbox.hopeless:
-            self._give_up("it does not read what it has asked for")
-
-    def _give_up(self, reason: str) -> None:
-        _log.warning("%s: given up, %s", self.name, reason)
-        # reset the connection: the kernel shall not go on with what it still holds for this client
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
-        self._connection.transport.abort()
+MESSAGES_PER_TURN = 16
 
 
 class WebSocketServer:
@@ -112,7 +48,7 @@ class WebSocketServer:
             ping_interval=PING_INTERVAL,
             ping_timeout=PING_TIMEOUT,
             close_timeout=CLOSE_TIMEOUT,
-            max_size=LONGEST_MESSAGE,
+            max_size=MAX_MESSAGE_SIZE,
             write_limit=WRITE_LIMIT,
             server_header=None,
             logger=quiet_logger(),
@@ -124,42 +60,42 @@ class WebSocketServer:
         self._server.close()
         await self._server.wait_closed()
 
-    def _admit(self, connection: ServerConnection, request: Request) -> Response | None:
+    def _admit(self, websocket: ServerConnection, request: Request) -> Response | None:
         """The answer to who is not let in. websockets logs nothing about an answer from here."""
         if [protocol.lower() for protocol in request.headers.get_all("Upgrade")] != ["websocket"]:
             # a health check asks like this: it must get the same answer when there is no place for a client
-            response = connection.respond(HTTPStatus.UPGRADE_REQUIRED, "this is a WebSocket server\n")
+            response = websocket.respond(HTTPStatus.UPGRADE_REQUIRED, "this is a WebSocket server\n")
             response.headers["Upgrade"] = "websocket"
             response.headers["Connection"] = "Upgrade"  # beside "close": RFC 9110 7.8 wants it with every Upgrade
             return response
-        if self._clients < MOST_CLIENTS:
+        if self._clients < MAX_CLIENTS:
             return None
-        _log.warning("a client is refused: %d are connected", self._clients)
-        return connection.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
+        _log.warning("a client was refused: %d are connected", self._clients)
+        return websocket.respond(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n")
 
-    async def _handle(self, connection: ServerConnection) -> None:
-        assert connection.request is not None
-        headers = connection.request.headers
+    async def _handle(self, websocket: ServerConnection) -> None:
+        assert websocket.request is not None
+        headers = websocket.request.headers
         identity = identity_of(headers.get("Origin"), headers.get("Host"), headers.get_all("Cookie"))
-        client = Client(connection)
-        session = self._bridge.connected(client, identity)
+        connection = Connection(websocket)
+        client = self._bridge.connected(connection, identity)
         self._clients += 1
-        _log.info("%s: connected", client.name)
-        sender = asyncio.create_task(client.send_all())
+        _log.info("%s: connected", connection.name)
+        sender = asyncio.create_task(connection.send_all())
         try:
             handled = 0
-            async for text in connection:
-                self._bridge.received(session, text)
+            async for text in websocket:
+                self._bridge.received(client, text)
                 handled += 1
-                if handled % TURN == 0:
+                if handled % MESSAGES_PER_TURN == 0:
                     await asyncio.sleep(0)
         except ConnectionClosed as closed:
-            _log.info("%s: %s", client.name, closed)
+            _log.info("%s: %s", connection.name, closed)
         finally:
             self._clients -= 1
-            self._bridge.disconnected(session)
+            self._bridge.disconnected(client)
             sender.cancel()
-            _log.info("%s: disconnected (%s)", client.name, connection.close_code)
+            _log.info("%s: disconnected (%s)", connection.name, websocket.close_code)
 
 
 def quiet_logger() -> logging.Logger:

@@ -2,9 +2,12 @@
 
 import json
 import math
+import re
 from typing import Any
 
 dumps = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
+
+ROS_NAME = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
 
 # A request's id may be text or a whole number (rosbridge protocol 1).
 Id = str | int | None
@@ -30,6 +33,14 @@ class Request:
         if type(value) is not str:
             raise RequestError(f"the field {name!r} must be a string, {self._given(name)}")
         return value
+
+    def ros_name(self, name: str) -> str:
+        """The global ROS name that must be there: rosbridge lives in the root namespace. Whatever is compared with a
+        topic or service (the gate's rules above all) must be compared with this form."""
+        value = self.text(name)
+        if len(value) > 200 or not ROS_NAME.fullmatch(value):
+            raise RequestError(f"{brief(value)} is not a ROS name")
+        return value if value.startswith("/") else f"/{value}"
 
     def optional_text(self, name: str, default: str) -> str:
         return default if self.fields.get(name) is None else self.text(name)
@@ -70,7 +81,7 @@ def parse(text: str | bytes) -> dict[str, Any]:
     if not isinstance(text, str):
         raise RequestError("binary messages are not understood here; send JSON text")
     try:
-        value = LOADS(text)
+        value = loads(text)
     except (ValueError, RecursionError) as error:
         raise RequestError(f"not JSON: {str(error)[:100]}") from None
     if type(value) is not dict:
@@ -80,7 +91,7 @@ def parse(text: str | bytes) -> dict[str, Any]:
 
 def refuse_constant(name: str) -> None:
     """Python reads NaN and Infinity, which are no JSON."""
-    raise ValueError(f"{name} is no JSON value")
+    raise ValueError(f"{name} is not a JSON value")
 
 
 def finite(digits: str) -> float:
@@ -91,7 +102,7 @@ def finite(digits: str) -> float:
     return number
 
 
-LOADS = json.JSONDecoder(parse_constant=refuse_constant, parse_float=finite).decode
+loads = json.JSONDecoder(parse_constant=refuse_constant, parse_float=finite).decode
 
 
 def status(level: str, message: str, request_id: Id = None) -> str:

@@ -16,16 +16,16 @@ FAREWELL_SECONDS = 1.0  # for the peer to read why it is disconnected
 MAX_UNSENT = 4096  # bytes; a robot that reads so slowly is stuck
 LIGHT_DELAY = 0.004  # s; several robots' motions within this time are looked at together
 
-log = logging.getLogger("arena.link")
+_log = logging.getLogger(__name__)
 
 
-class Connection:
+class Peer:
     """One robot's hardware, or a stranger before its hello."""
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self.reader = reader
         self.writer = writer
-        self.peer = "{}:{}".format(*writer.get_extra_info("peername")[:2])
+        self.address = "{}:{}".format(*writer.get_extra_info("peername")[:2])
 
     async def line(self) -> bytes | None:
         """The next line without its end, None at the end of the connection; LinkError if it is too long."""
@@ -40,7 +40,7 @@ class Connection:
         if self.writer.is_closing():
             return
         if self.writer.transport.get_write_buffer_size() > MAX_UNSENT:
-            log.warning("%s does not read what it is told: disconnected", self.peer)
+            _log.warning("%s does not read what we send: disconnected", self.address)
             self.writer.transport.abort()
             return
         self.writer.write(line)
@@ -60,8 +60,8 @@ class Link:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self._robots: dict[str, Connection] = {}
-        self._open: set[Connection] = set()
+        self._robots: dict[str, Peer] = {}
+        self._open: set[Peer] = set()
         self._light_due: asyncio.TimerHandle | None = None
         self._server: asyncio.Server | None = None
 
@@ -73,32 +73,32 @@ class Link:
         """Close the listening socket and every connection."""
         if self._server:
             self._server.close()
-        for connection in list(self._open):
-            connection.writer.transport.abort()
+        for peer in list(self._open):
+            peer.writer.transport.abort()
         if self._server:
             await self._server.wait_closed()
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        connection = Connection(reader, writer)
-        _watch_peer(writer.get_extra_info("socket"))
-        self._open.add(connection)
+        peer = Peer(reader, writer)
+        _configure(writer.get_extra_info("socket"))
+        self._open.add(peer)
         try:
             if len(self._open) > MAX_CONNECTIONS:
                 raise ArenaError("too many connections")
-            await self._welcome(connection)
+            await self._welcome(peer)
         except (LinkError, ArenaError) as reason:
-            log.warning("%s disconnected: %s", connection.peer, reason)
-            await connection.refuse(str(reason))
+            _log.warning("%s disconnected: %s", peer.address, reason)
+            await peer.refuse(str(reason))
         except OSError:
-            pass  # the peer is gone: its end of line, told by _welcome
+            pass  # the peer is gone, as _welcome has logged
         finally:
-            self._open.discard(connection)
+            self._open.discard(peer)
             writer.close()
 
-    async def _welcome(self, connection: Connection) -> None:
+    async def _welcome(self, peer: Peer) -> None:
         try:
             async with asyncio.timeout(HELLO_SECONDS):
-                hello = await connection.line()
+                hello = await peer.line()
         except TimeoutError:
             raise LinkError("no hello") from None
         if hello is None:
@@ -109,21 +109,21 @@ class Link:
             older.writer.close()
             self._drop(name)
         robot = self._world.arrive(name)
-        self._robots[name] = connection
-        log.info("%s on the floor (%s)", name, connection.peer)
+        self._robots[name] = peer
+        _log.info("%s on the floor (%s)", name, peer.address)
         try:
             self._tell(self._world.update_light())
             if not robot.lit:
-                connection.send(protocol.light(False))
-            await self._listen(name, connection)
+                peer.send(protocol.light(False))
+            await self._listen(name, peer)
         finally:
-            if self._robots.get(name) is connection:
+            if self._robots.get(name) is peer:
                 self._drop(name)
-                log.info("%s is gone", name)
+                _log.info("%s is gone", name)
 
-    async def _listen(self, name: str, connection: Connection) -> None:
+    async def _listen(self, name: str, peer: Peer) -> None:
         """Follow what a robot's hardware does until its connection ends or another has its name."""
-        while (line := await connection.line()) is not None and self._robots.get(name) is connection:
+        while (line := await peer.line()) is not None and self._robots.get(name) is peer:
             match protocol.parse_event(line):
                 case protocol.Wheels(left, right):
                     self._world.turn_wheels(name, left, right)
@@ -151,7 +151,7 @@ class Link:
             self._robots[robot.name].send(protocol.light(robot.lit))
 
 
-def _watch_peer(peer: socket.socket) -> None:
+def _configure(peer: socket.socket) -> None:
     """Answers to light are small and urgent; a host that lost its power is noticed within about 10 s."""
     peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     peer.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)

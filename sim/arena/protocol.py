@@ -23,7 +23,7 @@ _BEAM = re.compile(rb"beam ([01])")
 
 
 class LinkError(Exception):
-    """A line that is not of the protocol; the text tells the robot why."""
+    """A line that is not part of the protocol; the text tells the robot why."""
 
 
 @dataclass(frozen=True)

@@ -1,9 +1,11 @@
-"""The arena's configuration, from LASERBOT_ variables."""
+"""The arena's settings, from environment variables."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from sim.environment import read_log_level, read_port
+from laser_bot_battle.variables import ARENA, ARENA_LINK, BIND, LOG_LEVEL
+
+VARIABLES = (BIND, ARENA, ARENA_LINK, LOG_LEVEL)
 
 
 @dataclass(frozen=True)
@@ -17,10 +19,10 @@ class Settings:
 
     @classmethod
     def from_env(cls, env: Mapping[str, str]) -> "Settings":
-        """SettingsError if a value is impossible. An empty variable counts as not set."""
+        """SettingsError for an impossible value."""
         return cls(
-            bind=env.get("LASERBOT_BIND") or "0.0.0.0",
-            view_port=read_port(env, "LASERBOT_ARENA_PORT", 8080),
-            link_port=read_port(env, "LASERBOT_ARENA_LINK_PORT", 8081),
-            log_level=read_log_level(env),
+            bind=BIND.read(env),
+            view_port=ARENA.read(env),
+            link_port=ARENA_LINK.read(env),
+            log_level=LOG_LEVEL.read(env),
         )

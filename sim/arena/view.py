@@ -21,7 +21,7 @@ MAX_UNSENT = 16_384  # bytes on the way to one viewer; more would be old states
 SEND_SECONDS = 5.0  # for one message; a viewer that takes longer is gone
 STATIC = Path(__file__).resolve().parents[1] / "static"
 
-log = logging.getLogger("arena.view")
+_log = logging.getLogger(__name__)
 
 
 def arena_message(world: World) -> dict[str, Any]:
@@ -127,7 +127,7 @@ class View:
                     await self._news.wait()
                 await self._send(viewer, self._newest)
         except TimeoutError:
-            log.warning("a viewer takes no states any more: disconnected")
+            _log.warning("a viewer has stopped reading: disconnected")
             await viewer.close(code=WSCloseCode.TRY_AGAIN_LATER, drain=False)
         except ConnectionError:
             pass  # the viewer has left

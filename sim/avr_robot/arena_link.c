@@ -73,7 +73,7 @@ static void change_light(struct arena_link *link, struct connection *connection,
 	pthread_mutex_unlock(&link->lock);
 }
 
-/* False: the connection is of no use any more. A message that does not fit means an arena that reads nothing. */
+/* False: the connection is useless. A message that does not fit means an arena that reads nothing. */
 static bool tell(const struct connection *connection, const char *message, int length)
 {
 	return send(connection->socket, message, (size_t)length, MSG_NOSIGNAL | MSG_DONTWAIT) == length;
@@ -128,7 +128,7 @@ static bool listen_to_arena(struct arena_link *link, struct connection *connecti
 	for (ssize_t i = 0; i < length; i++) {
 		if (bytes[i] != '\n') {
 			if (connection->line_length + 1 == sizeof connection->line)
-				return false; /* this is no arena */
+				return false; /* this is not an arena */
 			connection->line[connection->line_length++] = bytes[i];
 			continue;
 		}

@@ -25,11 +25,11 @@ struct extent {
 static const char *decode(const char *line, uint8_t record[RECORD_MAX])
 {
 	if (line[0] != ':')
-		return "is no Intel HEX file";
+		return "is not an Intel HEX file";
 	const size_t digits = strspn(line + 1, "0123456789ABCDEFabcdef");
 	const char *rest = line + 1 + digits;
 	if (digits % 2 != 0 || digits / 2 < DATA + 1 || digits / 2 > RECORD_MAX || rest[strspn(rest, "\r\n")] != '\0')
-		return "is no Intel HEX file";
+		return "is not an Intel HEX file";
 
 	uint8_t sum = 0;
 	for (size_t i = 0; i < digits / 2; i++) {
@@ -37,7 +37,7 @@ static const char *decode(const char *line, uint8_t record[RECORD_MAX])
 		sum += record[i];
 	}
 	if (digits / 2 != DATA + record[COUNT] + 1u)
-		return "is no Intel HEX file";
+		return "is not an Intel HEX file";
 	return sum == 0 ? NULL : "has a wrong checksum";
 }
 
@@ -75,12 +75,12 @@ static const char *load(struct firmware_image *image, struct extent *extent, FIL
 		case RECORD_SEGMENT:
 		case RECORD_LINEAR:
 			if (record[COUNT] != 2)
-				return "is no Intel HEX file";
+				return "is not an Intel HEX file";
 			base = (uint32_t)(record[DATA] << 8 | record[DATA + 1]) << (record[TYPE] == RECORD_LINEAR ? 16 : 4);
 			break;
 		case RECORD_START_SEGMENT:
 		case RECORD_START_LINEAR: break; /* for processors that have such a start */
-		default: return "is no Intel HEX file";
+		default: return "is not an Intel HEX file";
 		}
 	}
 	return ferror(file) ? "cannot be read" : "is cut off";

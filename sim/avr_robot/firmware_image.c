@@ -35,9 +35,9 @@ static const char *load(struct firmware_image *image, Elf *elf)
 	size_t segments;
 
 	if (!elf || elf_kind(elf) != ELF_K_ELF || !gelf_getehdr(elf, &header))
-		return "is no ELF file";
+		return "is not an ELF file";
 	if (header.e_machine != EM_AVR || gelf_getclass(elf) != ELFCLASS32)
-		return "is no program for an AVR";
+		return "is not a program for an AVR";
 	if (elf_getphdrnum(elf, &segments) != 0)
 		return "has no readable program headers";
 	for (size_t i = 0; i < segments; i++) {

@@ -13,7 +13,7 @@ struct firmware_image {
 	uint32_t start; /* where the AVR begins after a reset: at 0, or in the boot loader */
 };
 
-/* Read `path` into `image`; false with one line on stderr if it is no program for an ATmega328P. */
+/* Read `path` into `image`; false with one line on stderr if it is not a program for an ATmega328P. */
 bool firmware_image_read(struct firmware_image *image, const char *path);
 
 #endif

@@ -98,7 +98,7 @@ static void report_lost(const struct robot *robot, int64_t *lost_ns)
 	*lost_ns = 0;
 }
 
-/* Live until SIGINT or SIGTERM (0) or until the firmware ends (1). */
+/* Run until SIGINT or SIGTERM (0) or until the firmware ends (1). */
 static int live(struct robot *robot, const sigset_t *end_signals)
 {
 	int64_t start = now_ns(), lost = 0;

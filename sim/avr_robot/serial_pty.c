@@ -43,7 +43,7 @@ static bool pty_opened(struct serial_line *line)
 	while (read(pty->openings, events, sizeof events) > 0)
 		opened = true;
 	if (opened)
-		tcflush(pty->slave, TCIFLUSH); /* the last words of before are not for the opener */
+		tcflush(pty->slave, TCIFLUSH); /* the new opener must not get what came before */
 	return opened;
 }
 
@@ -85,7 +85,7 @@ static bool make_link(struct serial_pty *pty, const char *link)
 	struct stat existing;
 
 	if (lstat(link, &existing) == 0 && !S_ISLNK(existing.st_mode)) {
-		fprintf(stderr, "avr_robot: --serial %s: exists and is no symlink; remove it or choose another path\n", link);
+		fprintf(stderr, "avr_robot: --serial %s: is not a symlink; remove it or choose another path\n", link);
 		return false;
 	}
 	const int length = snprintf(temporary, sizeof temporary, "%s.%ld", link, (long)getpid());

@@ -6,21 +6,21 @@ import { showRobots } from "./roster.js";
 import { Scene } from "./scene.js";
 
 const canvas = document.getElementById("floor");
-const link = document.getElementById("link");
+const connection = document.getElementById("connection");
 const empty = document.getElementById("empty");
 const roster = document.getElementById("robots");
 
-const LINK_TEXT = { connecting: "connecting", live: "live", lost: "arena not reachable, trying again" };
+const CONNECTION_TEXT = { connecting: "connecting", live: "live", lost: "the arena does not answer, trying again" };
 
-// another page shows the floor only
+// inside another page: only the floor
 if (new URLSearchParams(location.search).has("embedded")) document.body.classList.add("embedded");
 
 const scene = new Scene(canvas);
 const motion = new Motion();
 
-function showLink(state) {
-  link.dataset.state = document.body.dataset.link = state;
-  link.textContent = LINK_TEXT[state];
+function showConnection(state) {
+  connection.dataset.state = document.body.dataset.connection = state;
+  connection.textContent = CONNECTION_TEXT[state];
 }
 
 function receive(message) {
@@ -42,6 +42,6 @@ function frame(milliseconds) {
 }
 
 const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-new Feed(`${scheme}//${location.host}/view`, receive, showLink).open();
+new Feed(`${scheme}//${location.host}/view`, receive, showConnection).open();
 new ResizeObserver(() => scene.resize()).observe(canvas.parentElement);
 requestAnimationFrame(frame);

@@ -11,13 +11,13 @@ import signal
 import socket
 import statistics
 import subprocess
-import sys
 import tempfile
 import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
 
+import psutil
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from tests.browser.conftest import FLAGS
@@ -127,9 +127,7 @@ class TracedRobot:
 
     def serial_node(self) -> int:
         """The process of robot 3's serial node."""
-        return int(
-            Path(f"/proc/{self.client.process.pid}/task/{self.client.process.pid}/children").read_text().split()[0]
-        )
+        return int(psutil.Process(self.client.process.pid).children()[0].pid)
 
     def stop(self) -> None:
         self.client.stop()
@@ -226,7 +224,7 @@ def stepper_speed(page: Page, robot: TracedRobot) -> None:
         )
 
 
-def cut(what: str, page: Page, robot: TracedRobot, sever: Callable[[], object], mend: Callable[[], object]) -> None:
+def cut(what: str, page: Page, robot: TracedRobot, sever: Callable[..., object], mend: Callable[..., object]) -> None:
     """From the cut to the last half-step, while the key is held."""
     times = []
     for _ in range(CUTS):
@@ -282,7 +280,7 @@ def main() -> None:
     started = time.monotonic()
     with (
         tempfile.TemporaryDirectory(prefix="laserbot-bench-") as folder,
-        Battle(robots=3, **rules) as battle,
+        Battle(3, 0, **rules) as battle,
         sync_playwright() as playwright,
     ):
         print(f"ci/demo --robots 3: ready after {time.monotonic() - started:.1f} s", flush=True)
@@ -294,4 +292,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -24,7 +24,7 @@ MESSAGES = 10000
 PACE = 160  # messages/s, four players holding a key
 LOAD = 3000  # messages/s
 BURST = 20  # messages
-TYPE = "laser_bot_battle/Robot_msg"
+TYPE = Robot_msg._type
 COMMAND = {"linear_x": 1, "angular_z": -1, "shoot": False}
 
 

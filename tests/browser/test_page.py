@@ -164,7 +164,7 @@ def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person
 def test_a_page_outlives_a_restart_of_rosbridge(person: Callable[[str], Person], battle: Battle) -> None:
     ann = person("Ann")
     ann.log_in()
-    expect(ann.page.locator("#link-state")).to_contain_text("Online")
+    expect(ann.page.locator("#connection-state")).to_contain_text("Online")
     battle.kill(r"python3 -m server\.rosbridge")
-    expect(ann.page.locator("#link-state")).not_to_contain_text("Online")
-    expect(ann.page.locator("#link-state")).to_contain_text("Online", timeout=15_000)
+    expect(ann.page.locator("#connection-state")).not_to_contain_text("Online")
+    expect(ann.page.locator("#connection-state")).to_contain_text("Online", timeout=15_000)

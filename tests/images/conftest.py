@@ -1,7 +1,6 @@
 """The images, built once, in a real engine (ci/engine)."""
 
 import os
-import re
 import subprocess
 import time
 from collections.abc import Iterator
@@ -10,6 +9,7 @@ from typing import NamedTuple
 
 import pytest
 
+from tests.support import imagefile
 from tests.support.containers import docker
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
@@ -44,25 +44,22 @@ def build(*targets: str, **variables: str) -> float:
     return time.monotonic() - began
 
 
+EVERY = [(image, platform) for image in imagefile.IMAGES for platform in sorted(imagefile.platforms(image))]
+
+
 @pytest.fixture(scope="session")
 def version() -> str:
     """The tag of the images, which have been built when this is asked for."""
     if not os.environ.get("IMAGES_ENGINE"):
         pytest.fail(
-            "these tests need a Docker Engine: ci/engine .venv/bin/python -m pytest tests/images", pytrace=False
+            "these tests need a Docker Engine: ci/engine/run .venv/bin/python -m pytest tests/images", pytrace=False
         )
-    build()
-    version = re.search(r"<version>(.*)</version>", (ROOT / "laser_bot_battle/package.xml").read_text())[1]
-    for platform in ("linux/arm64", "linux/arm/v7"):
-        command = ["docker", "run", "--rm", f"--platform={platform}", "--network=none", f"rosberry:{version}", "true"]
-        tried = subprocess.run(command, capture_output=True, text=True, check=False)
-        if tried.returncode:
-            why = f"this engine runs no images for {platform}; on Debian, apt-get install qemu-user-static brings that"
-            pytest.fail(f"{why}: {tried.stderr.strip()}", pytrace=False)
-    return version
+    if "IMAGES_BUILT" not in os.environ:
+        build()
+    return imagefile.version()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def network(version: str) -> Iterator[str]:
     """A bridge network of its own, without a way out."""
     name = f"laserbot-test-{os.getpid()}"

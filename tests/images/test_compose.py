@@ -84,6 +84,7 @@ def test_no_container_has_more_rights_than_it_needs(battle: ComposeBattle) -> No
         assert host["RestartPolicy"]["Name"] == "unless-stopped", service
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("service", ["demo-rosbridge", "arena"])
 def test_the_battle_goes_on_when_it_crashes(
     battle: ComposeBattle, players: tuple[Player, Player], service: str
@@ -101,6 +102,7 @@ def test_the_battle_goes_on_when_it_crashes(
     assert {user["name"] for user in ann.look()["users"]} == {"Ann", "Bob"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("service", ["arduino1", "robot1"])
 def test_who_loses_the_robot_is_out_by_the_rules_and_the_robot_comes_back(
     battle: ComposeBattle, players: tuple[Player, Player], service: str
@@ -119,6 +121,7 @@ def test_who_loses_the_robot_is_out_by_the_rules_and_the_robot_comes_back(
         wait_until_it_drives(battle, cy)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("service", ["demo-web", "demo-ros-master"])
 def test_after_a_crash_of_the_referee_or_of_ros_a_new_battle_can_be_played(
     battle: ComposeBattle, players: tuple[Player, Player], service: str
@@ -133,6 +136,7 @@ def test_after_a_crash_of_the_referee_or_of_ros_a_new_battle_can_be_played(
             wait_until_it_drives(battle, player)
 
 
+@pytest.mark.slow
 def test_a_bot_that_crashes_plays_again(version: str, battle: ComposeBattle) -> None:
     until(lambda: available(battle) == 2, 60, "two free robots")
     battle.compose("up", "--detach", "--pull=never", "--scale", "bot1=1", "bot1")

@@ -14,10 +14,13 @@ from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
-pytestmark = pytest.mark.skipif(
-    os.environ.get("IMAGES_ENGINE") == "running",
-    reason="these services use the host's network: a private engine's only",
-)
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        os.environ.get("IMAGES_ENGINE") == "running",
+        reason="these services use the host's network: a private engine's only",
+    ),
+]
 
 AVAHI = Path("/run/avahi-daemon")
 

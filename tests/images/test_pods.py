@@ -4,14 +4,14 @@ import json
 import os
 import stat
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 import requests
 import yaml
 
-from tests.support.containers import docker
-from tests.support.imagefile import dockerfile
 from tests.support.manifests import Manifests, overlay
 from tests.support.play import PLAYING, shoot_to_the_end
 from tests.support.player import Eyes, Player
@@ -19,6 +19,8 @@ from tests.support.pods import ClusterBattle, Pod, free_node_ports
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
+
+pytestmark = pytest.mark.slow
 
 
 @pytest.fixture(scope="module")
@@ -28,16 +30,14 @@ def manifests(version: str, tmp_path_factory: pytest.TempPathFactory) -> Manifes
     up = os.path.relpath(ROOT / "k3s", folder)
     ports = [f"{name}={number}" for name, number in free_node_ports().items()]
     rules = ["LASERBOT_HIT_DAMAGE=40", "LASERBOT_COUNTDOWN=1"]
-    content = {
+    content: dict[str, Any] = {
         "resources": [f"{up}/overlays/sim"],
         "components": [f"{up}/components/node-ports"],
         "configMapGenerator": [
-            {"name": "node-ports", "behavior": "merge", "literals": ports},
-            {"name": "settings", "behavior": "merge", "literals": rules},
+            {"name": name, "namespace": "laserbot", "behavior": "merge", "literals": literals}
+            for name, literals in {"node-ports": ports, "settings": rules}.items()
         ],
     }
-    for item in content["configMapGenerator"]:
-        item["namespace"] = "laserbot"
     (folder / "kustomization.yaml").write_text(yaml.safe_dump(content))
     built = Manifests(folder)
     assert {container["image"].split(":")[1] for _, container in built.containers} == {version}
@@ -56,7 +56,8 @@ def test_every_container_passes_every_probe_and_none_has_ended(battle: ClusterBa
     for pod in battle.pods.values():
         for container in pod.spec["containers"]:
             for probe in [key for key in container if key.endswith("Probe")]:
-                assert pod.passes(container["name"], probe), f"{pod.name}/{container['name']} {probe}"
+                asked = f"{pod.name}/{container['name']} {probe}"
+                until(partial(pod.passes, container["name"], probe), 30, asked)
             assert pod.state(container["name"])["Running"]
             assert pod.exec(container["name"], "id", "-u").strip() == "10001"
 
@@ -101,7 +102,7 @@ def test_a_pod_that_is_older_than_the_services_ends_its_programs_until_they_are_
         pod = battle.pods[pod_name]
         pod.start(battle.manifests, {})
         for name, words in says.items():
-            until(lambda pod=pod, name=name: not pod.state(name)["Running"], 20, f"{name} ends")
+            until(partial(pod.has_ended, name), 20, f"{name} ends")
             assert pod.state(name)["ExitCode"] == 2
             assert words in pod.logs(name)
     assert len(battle.restart_what_ended()) == 3
@@ -114,20 +115,6 @@ def test_the_master_is_found_by_its_services_while_a_part_of_it_is_not_ready(bat
     assert requests.post(f"{battle.web}/updateGameStatus", timeout=5).ok
     assert battle.restart_what_ended() == ["master/rosbridge"]
     battle.wait_until_ready()
-
-
-@pytest.mark.parametrize("image", ["webserver", "rosberry", "sim"])
-def test_what_the_manifests_are_checked_against_is_what_the_image_says(version: str, image: str) -> None:
-    config = json.loads(docker("image", "inspect", "--format", "{{json .Config}}", f"{image}:{version}"))
-    expected = dockerfile(image)
-    assert config["User"] == expected.user
-    assert config["Cmd"] == expected.command
-    assert config["Healthcheck"]["Test"] == ["CMD", *expected.health]
-    assert {int(port.split("/")[0]) for port in config.get("ExposedPorts") or {}} == expected.ports
-    assert not config.get("Volumes")  # which would be left behind by every service that does not use it
-    environment = dict(pair.split("=", 1) for pair in config["Env"])
-    assert expected.environment.items() <= environment.items()
-    assert "/usr/bin" in environment["PATH"]  # the manifests' commands and probes name no folder
 
 
 @pytest.fixture
@@ -145,6 +132,13 @@ def robot_with_a_device(version: str, tmp_path: Path) -> Iterator[Pod]:
 
 
 needs_root = pytest.mark.skipif(os.getuid() != 0, reason="only root can make a device")
+SET_ID = """
+import os, stat
+for folder, _, files in os.walk("/usr"):
+    for path in (os.path.join(folder, name) for name in files):
+        if os.lstat(path).st_mode & (stat.S_ISUID | stat.S_ISGID) and stat.S_ISREG(os.lstat(path).st_mode):
+            print(path)
+"""
 OPEN = "import os; os.close(os.open('/host/dev/laserbot', os.O_RDWR)); print('open')"
 
 
@@ -155,7 +149,7 @@ def test_a_real_robot_opens_its_device_without_being_root(robot_with_a_device: P
     status = pod.exec("robot", "cat", "/proc/1/status")
     assert "CapEff:\t0000000000000000" in status
     assert "Uid:\t10001\t10001\t10001\t10001" in status
-    assert pod.exec("robot", "sh", "-c", "find / -xdev -perm /6000 -type f 2>/dev/null; true") == ""
+    assert pod.exec("robot", "python3", "-c", SET_ID) == ""
 
 
 @needs_root
@@ -173,8 +167,8 @@ def test_without_privilege_the_device_is_refused(robot_with_a_device: Pod) -> No
 def arduino(tmp_path: Path) -> Iterator[str]:
     """The path of a serial line with the firmware behind it, of the group that a Raspberry Pi's has."""
     line = tmp_path / "ttyACM0"
-    words = ["--firmware", ROOT / "build/firmware/laserbot.elf", "--name", "raspberrypi1", "--serial", line]
-    program = Program([ROOT / "build/sim/avr_robot", *words])
+    words = ["--firmware", f"{ROOT}/build/firmware/laserbot.elf", "--name", "raspberrypi1", "--serial", str(line)]
+    program = Program([f"{ROOT}/build/sim/avr_robot", *words])
     program.wait_for("UART at")
     device = os.path.realpath(line)
     os.chown(device, 0, 20)
@@ -213,7 +207,7 @@ def test_a_robot_without_arduino_says_so_and_is_not_ready(version: str, tmp_path
         pod.start(overlay("lan").within("laserbot"), {"master": pod.address})
         until(lambda: "No attached ARDUINO found: looked for /host/dev/laserbot" in pod.logs("robot"), 20)
         assert pod.state("robot")["Running"]
-        words = "health: no serial node: no Arduino, or no ID from the server"  # what the kubelet's event quotes
+        words = "health: no sign of work"  # what the kubelet's event quotes
         with pytest.raises(AssertionError, match=words):
             pod.exec("robot", *pod.of("robot")["readinessProbe"]["exec"]["command"])
         assert words in (ROOT / "k3s/README.md").read_text()

@@ -52,6 +52,7 @@ def check_end(container: Container, platform: str) -> None:
     assert took < 2.0 or platform != "linux/amd64", f"took {took:.1f} s to end"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("platform", MASTER_PLATFORMS)
 def test_the_masters_three_services_become_healthy_and_end_quickly(
     battle: Battle, platform: str, figures: list[str]
@@ -70,12 +71,13 @@ def test_a_ros_master_whose_port_another_one_has_is_not_healthy(version: str) ->
         first.wait_until_healthy()
         with Container(*words, network=f"container:{first.id}") as second:
             until(lambda: "address already in use" in second.logs.lower(), 20, "it finds its port taken")
-            told = "health: the service does not listen at port 11311"  # what the kubelet's event quotes
+            told = "health: the program does not listen on port 11311"  # what the kubelet's event quotes
             with pytest.raises(AssertionError, match=told):
-                second.run("python3", "-m", "images.health")
+                second.run("/opt/laserbot/health")
             assert told in (ROOT / "k3s/README.md").read_text()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("platform", ROBOT_PLATFORMS)
 def test_a_robot_joins_the_battle_with_its_firmware_inside(battle: Battle, platform: str, figures: list[str]) -> None:
     _, web, _ = battle.start_master("linux/amd64")
@@ -93,6 +95,7 @@ def test_a_robot_joins_the_battle_with_its_firmware_inside(battle: Battle, platf
     check_end(robot, platform)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("platform", ROBOT_PLATFORMS)
 def test_the_arena_a_virtual_robot_and_a_bot_become_healthy(battle: Battle, platform: str, figures: list[str]) -> None:
     _, web, _ = battle.start_master("linux/amd64")

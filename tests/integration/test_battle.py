@@ -9,7 +9,7 @@ import pytest
 import requests
 
 from tests.support.battle import Battle
-from tests.support.play import PLAYING, STOPPED, obeys, reconnect, shoot_to_the_end, stands_still, start
+from tests.support.play import PLAYING, STOPPED, hunt_down, obeys, reconnect, shoot_to_the_end, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
@@ -139,6 +139,22 @@ def test_a_server_that_stood_still_takes_nobody_for_gone(battle: Battle, players
     assert ann.look()["game"] == PLAYING
     assert ann.look()["battle"] == number
     assert {user["name"] for user in ann.look()["users"]} == {"Ann", "Bob"}
+
+
+def test_a_ros_master_that_hangs_is_not_noticed_in_a_battle(battle: Battle, players: tuple[Player, Player]) -> None:
+    ann, bob = players
+    with Eyes(battle) as eyes:
+        obeyed_until = time.monotonic() + 10
+        with battle.pause("rosmaster"):
+            start(ann, bob)
+            before = ann.look()
+            hunt_down(ann, bob, eyes, 60)
+            while time.monotonic() < obeyed_until:
+                obeys(ann, eyes)
+        until(lambda: ann.look()["time_left"] < before["time_left"] - 9, 5, "the battle's clock goes on")
+        assert (ann.look()["game"], ann.look()["battle"]) == (PLAYING, before["battle"])
+        assert {user["name"]: user["life"] for user in ann.look()["users"]} == {"Ann": 100, "Bob": 60}
+        obeys(bob, eyes)
 
 
 def test_rosbridge_restarts_and_the_players_go_on(battle: Battle, players: tuple[Player, Player]) -> None:

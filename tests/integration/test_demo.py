@@ -4,12 +4,13 @@ import json
 import os
 import signal
 import socket
-from collections.abc import Mapping
 
 import pytest
 import requests
 
-from tests.support.battle import PORTS, Battle, descendants
+from tests.support.battle import PORTS, Battle, command_line, descendants
+from tests.support.play import PLAYING, obeys, reconnect, start
+from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
@@ -27,14 +28,6 @@ def refusal(program: Program) -> str:
     return program.output
 
 
-def alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return True
-
-
 @pytest.mark.parametrize("sig", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) -> None:
     battle = Battle(robots=2, bots=1)
@@ -49,7 +42,7 @@ def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) ->
         code = battle.program.stop(sig, seconds=30)
     assert code == 0, battle.program.output
     assert battle.program.output.endswith("Stopped.\n")
-    assert [pid for pid in below if alive(pid)] == []
+    assert [part for part in below if command_line(part)] == []
     for port in battle.ports.values():
         with socket.socket() as probe:
             assert probe.connect_ex(("127.0.0.1", port)) != 0
@@ -67,7 +60,7 @@ def test_make_demo_starts_and_ctrl_c_ends_it() -> None:
     assert "ready: 4 virtual robots" in output
     assert "ready: 2 bots" in output
     assert "2 people can play" in output
-    assert [pid for pid in below if alive(pid)] == []
+    assert [part for part in below if command_line(part)] == []
 
 
 def test_another_computer_reaches_the_game() -> None:
@@ -87,14 +80,44 @@ def test_a_killed_demo_takes_its_processes_with_it() -> None:
     finally:
         battle.program.process.kill()
         battle.program.process.wait()
-    until(lambda: not [pid for pid in below if alive(pid)], 30, "all processes of the killed demo are gone")
+    until(
+        lambda: not [part for part in below if command_line(part)],
+        30,
+        "all processes of the killed demo are gone",
+    )
+
+
+def players_and_free_robots(battle: Battle) -> tuple[list[tuple[str, int]], int] | None:
+    """Who drives which robot, and how many are left; None while the server is away."""
+    try:
+        users = requests.post(f"{battle.web}/updateGameStatus", timeout=5).json()["users"]
+        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"]
+    except requests.RequestException:
+        return None
+    return [(user["name"], user["robot"]) for user in json.loads(users)], free
+
+
+def test_everybody_finds_the_way_back_after_the_ros_master_is_killed_in_a_battle() -> None:
+    with Battle(robots=3, bots=1, LASERBOT_COUNTDOWN="1") as battle:
+        first_master = battle.pid("rosmaster --core")
+        with Player(battle, "Ann") as ann, Player(battle, "Ben") as ben:
+            start(ann, ben)
+            os.kill(first_master, signal.SIGKILL)
+            until(lambda: players_and_free_robots(battle) == ([("Bot1", 2)], 2), 60, "a new battle can begin")
+            reconnect(ann)
+        with Player(battle, "Cid") as cid, Eyes(battle) as eyes:
+            assert cid.ready() == "OK"
+            cid.wait_for_game(PLAYING, 30)  # the bot is ready when it has found rosbridge, too
+            obeys(cid, eyes)
+        assert battle.pid("rosmaster --core") != first_master
+        assert battle.program.output.count("The ROS master has ended: starting it again.") == 1
+        below = descendants(battle.program.process.pid)
+    assert [part for part in below if command_line(part)] == []
 
 
 def test_the_bot_waits_for_a_human_as_an_opponent() -> None:
     with Battle(robots=2, bots=1) as battle:
-        reply: Mapping[str, str] = requests.post(f"{battle.web}/updateGameStatus", timeout=5).json()
-        assert [(user["name"], user["robot"]) for user in json.loads(reply["users"])] == [("Bot1", 1)]
-        assert requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"] == 1
+        assert players_and_free_robots(battle) == ([("Bot1", 1)], 1)
 
 
 def test_a_port_in_use_is_one_clear_line() -> None:
@@ -111,13 +134,13 @@ def test_a_port_in_use_is_one_clear_line() -> None:
 @pytest.mark.parametrize(
     ("words", "variables", "complaint"),
     [
-        (["--robots", "two"], {}, "'two' is not a number from 0 to 8"),
-        (["--robots", "9"], {}, "'9' is not a number from 0 to 8"),
+        (["--robots", "two"], {}, "'two' is not a whole number from 0 to 8"),
+        (["--robots", "9"], {}, "'9' is not a whole number from 0 to 8"),
         (["--robots", "1", "--bots", "2"], {}, "2 bots cannot play with 1 robot: start more robots"),
         ([], {"LASERBOT_BIND": "192.0.2.2"}, "choose 127.0.0.1 (this machine only) or 0.0.0.0 (the network too)"),
         ([], {"LASERBOT_HIT_DAMAGE": "abc"}, "LASERBOT_HIT_DAMAGE=abc: must be a whole number from 1 to 100"),
-        ([], {"LASERBOT_WEB_PORT": "http"}, "LASERBOT_WEB_PORT='http' is no port number"),
-        ([], {"LASERBOT_ROSBRIDGE_PORT": "0"}, "LASERBOT_ROSBRIDGE_PORT='0' is no port number"),
+        ([], {"LASERBOT_WEB_PORT": "http"}, "LASERBOT_WEB_PORT=http: must be a whole number from 1 to 65535"),
+        ([], {"LASERBOT_ROSBRIDGE_PORT": "0"}, "LASERBOT_ROSBRIDGE_PORT=0: must be a whole number from 1 to 65535"),
         ([], {"LASERBOT_WEB_PORT": "7001", "LASERBOT_ARENA_PORT": "7001"}, "are both 7001"),
     ],
 )

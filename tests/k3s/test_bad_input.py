@@ -73,7 +73,7 @@ def test_a_wrong_value_in_the_kustomization_is_named_by_the_program(
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("robot", "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB): must be a number"),
+        ("robot", "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB): must be a whole number"),
         ("arduino", "--arena $(ARENA_SERVICE_HOST):$(ARENA_SERVICE_PORT_LINK): the port must be a number"),
     ],
 )
@@ -105,16 +105,16 @@ def test_a_port_that_is_taken_is_named() -> None:
         number = taken.getsockname()[1]
         environment = {"LASERBOT_WEB_PORT": str(number), "ROS_MASTER_URI": f"http://localhost:{free_port()}"}
         program = Program.python("server.main", env={**environment, "PYTHONPATH": PYTHONPATH})
-        program.wait_for(f"cannot listen at 0.0.0.0 port {number}")
+        program.wait_for(f"cannot listen on 0.0.0.0 port {number}")
         assert program.process.wait(10) == 1
-    assert quoted("cannot listen at 0.0.0.0 port 5000")
+    assert quoted("cannot listen on 0.0.0.0 port 5000")
 
 
 def test_a_component_without_its_ports_is_refused(tmp_path: Path) -> None:
     up = os.path.relpath(ROOT / "k3s", tmp_path)
     content = {"resources": [f"{up}/overlays/lan"], "components": [f"{up}/components/node-ports"]}
     (tmp_path / "kustomization.yaml").write_text(yaml.safe_dump(content))
-    words = [ROOT / "ci/kubectl", "kustomize", tmp_path]
+    words = [str(ROOT / "ci/kubectl"), "kustomize", str(tmp_path)]
     result = subprocess.run(words, capture_output=True, text=True, check=False)
     assert result.returncode == 1
     assert "node-ports" in result.stderr

@@ -1,5 +1,6 @@
 """Every container of the manifests against its image and its program."""
 
+import os
 import re
 import subprocess
 import sys
@@ -7,8 +8,7 @@ from functools import cache
 
 import pytest
 
-from images.health import CHECKS
-from server.referee import Rules
+from server.game.referee import Rules
 from tests.support.imagefile import dockerfile, folders
 from tests.support.manifests import REFERENCE, Kubelet, Manifests, Object, overlay
 from tests.support.program_settings import ProgramSettings
@@ -80,11 +80,12 @@ def usage(program: str, *arguments: str) -> str:
     """The program's --help."""
     here = {
         "python3": [sys.executable],
-        "avr_robot": [ROOT / "build/sim/avr_robot"],
+        "avr_robot": [str(ROOT / "build/sim/avr_robot")],
         "rosmaster": ["/usr/bin/python3", "/usr/bin/rosmaster"],
     }
     words = [*here[program], *arguments, "--help"]
-    return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}/build/python"}
+    return subprocess.run(words, cwd=ROOT, env=environment, capture_output=True, text=True, check=True).stdout
 
 
 @every_container
@@ -135,21 +136,27 @@ def test_every_volume_is_used_by_one_container(name: str) -> None:
 
 
 @every_container
-def test_its_probes_ask_the_service_itself(started: Started) -> None:
-    probes = [value for key, value in started.container.items() if key.endswith("Probe")]
-    assert "readinessProbe" in started.container
-    health = dockerfile(started.image).health
-    for probe in probes:
+def test_its_probes_are_cheap_and_ask_the_service_itself(started: Started) -> None:
+    probes = {key: value for key, value in started.container.items() if key.endswith("Probe")}
+    assert "readinessProbe" in probes
+    for probe in probes.values():
         if "exec" in probe:
-            assert probe["exec"]["command"] == health
+            assert probe["exec"]["command"] == dockerfile(started.image).health
             # process 1 is then the pod's, and the check could not tell which program it is asked about
             assert not started.pod.get("shareProcessNamespace")
-            assert any(word in CHECKS or f"/usr/bin/{word}" in CHECKS for word in started.command)
         else:
-            port = probe["httpGet"]["port"]
+            port = (probe.get("httpGet") or probe["tcpSocket"])["port"]
             assert port in {item["name"] for item in started.container["ports"]}
         assert probe["timeoutSeconds"] >= 10
-        assert probe["timeoutSeconds"] <= probe["periodSeconds"] or probe is started.container["startupProbe"]
+
+
+@every_container
+def test_a_slow_program_is_not_restarted(started: Started) -> None:
+    alive = started.container.get("livenessProbe")
+    if alive:
+        assert alive["periodSeconds"] * (alive["failureThreshold"] - 1) >= 60
+    ready = started.container["readinessProbe"]
+    assert ready["periodSeconds"] <= 10, "who works again is seen soon"
 
 
 @pytest.mark.parametrize("name", ["lan", "sim", "arenas"])

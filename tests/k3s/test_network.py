@@ -2,6 +2,7 @@
 
 import http.client
 import re
+from functools import partial
 
 import pytest
 
@@ -137,7 +138,7 @@ def test_the_arena_answers_its_probe() -> None:
         for probe in ("startupProbe", "readinessProbe", "livenessProbe"):
             place = arena[probe]["httpGet"]
             assert place["port"] == "view"
-            until(lambda path=place["path"]: answers(view, path), 15, "the arena answers its probe")
+            until(partial(answers, view, place["path"]), 15, "the arena answers its probe")
     finally:
         program.stop()
 

@@ -9,6 +9,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+import psutil
+
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
@@ -67,7 +69,8 @@ class Battle:
 
     def pid(self, command: str) -> int:
         """The one running process of this battle whose command line matches the regular expression `command`."""
-        matching = [pid for pid in descendants(self.program.process.pid) if re.search(command, command_line(pid))]
+        parts = descendants(self.program.process.pid)
+        matching = [part.pid for part in parts if re.search(command, command_line(part))]
         assert len(matching) == 1, f"{command!r} is {len(matching)} processes of the battle"
         return matching[0]
 
@@ -111,22 +114,13 @@ class Paused:
             os.kill(self.pid, signal.SIGCONT)
 
 
-def descendants(pid: int) -> list[int]:
+def descendants(pid: int) -> list[psutil.Process]:
     """All processes below `pid`."""
-    found: list[int] = []
-    for task in Path(f"/proc/{pid}/task").glob("*"):
-        try:
-            children = [int(child) for child in (task / "children").read_text().split()]
-        except OSError:
-            continue
-        for child in children:
-            found += [child, *descendants(child)]
-    return found
+    return psutil.Process(pid).children(recursive=True)
 
 
-def command_line(pid: int) -> str:
-    """The words of a process's command, empty when it is gone."""
-    try:
-        return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode(errors="replace").strip()
-    except OSError:
-        return ""
+def command_line(process: psutil.Process) -> str:
+    """The words of its command, empty when it has ended."""
+    with contextlib.suppress(psutil.NoSuchProcess):  # a zombie is none, either
+        return " ".join(process.cmdline())
+    return ""

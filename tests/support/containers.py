@@ -5,6 +5,7 @@ import subprocess
 import time
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
+from typing import Any
 
 from tests.support.polling import until
 
@@ -64,9 +65,8 @@ class Container:
         docker("rm", "--force", "--volumes", self.id)
 
     @property
-    def state(self) -> dict[str, object]:
-        state: dict[str, object] = json.loads(docker("inspect", "--format", "{{json .State}}", self.id))
-        return state
+    def state(self) -> dict[str, Any]:
+        return dict(json.loads(docker("inspect", "--format", "{{json .State}}", self.id)))
 
     @property
     def logs(self) -> str:
@@ -90,7 +90,7 @@ class Container:
         def healthy() -> bool:
             state = self.state
             assert state["Running"], f"the container has ended: {state}\n{self.logs}"
-            return state["Health"]["Status"] == "healthy"  # type: ignore[index]
+            return bool(state["Health"]["Status"] == "healthy")
 
         try:
             until(healthy, seconds)

@@ -8,6 +8,8 @@ from functools import cache
 
 from tests.support.programs import ROOT
 
+IMAGES = ("webserver", "rosberry", "sim")
+
 
 @dataclass
 class ImageConfig:
@@ -53,20 +55,18 @@ def _read(config: ImageConfig, word: str, rest: str) -> None:
 def platforms(image: str) -> set[str]:
     """Of docker-bake.hcl: linux/amd64, ..."""
     text = (ROOT / "docker-bake.hcl").read_text()
-    block = re.search(rf'^target "{image}" {{\n(.*?)^}}', text, re.MULTILINE | re.DOTALL)
-    assert block, image
-    return set(json.loads(re.search(r"platforms = (\[.*\])", block[1])[1]))
+    (listed,) = re.findall(rf'^target "{image}" {{\n.*?platforms = (\[.*?\])', text, re.MULTILINE | re.DOTALL)
+    return set(json.loads(listed))
 
 
 def folders(image: str) -> set[str]:
     """The folders of this repository whose programs are inside."""
     text = (ROOT / "images/Dockerfile").read_text()
-    stage = re.search(rf"^FROM health AS parts-{image}\n(.*?)\n\n", text, re.MULTILINE | re.DOTALL)
-    assert stage, image
-    return set(re.findall(r"/opt/laserbot/(\w+)", stage[1]))
+    (stage,) = re.findall(rf"^FROM health AS parts-{image}\n(.*?)\n\n", text, re.MULTILINE | re.DOTALL)
+    return set(re.findall(r"/opt/laserbot/(\w+)", stage))
 
 
 def version() -> str:
     """The images' tag."""
     text = (ROOT / "laser_bot_battle/package.xml").read_text()
-    return str(re.search(r"<version>(.*)</version>", text)[1])
+    return str(re.findall(r"<version>(.*)</version>", text)[0])

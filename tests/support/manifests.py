@@ -120,9 +120,9 @@ class Kubelet:
                 found[variable["name"]] = value
         return self._links | found
 
-    def _value(self, variable: Object, found: Mapping[str, str]) -> str | None:
+    def _value(self, variable: Object, found: dict[str, str]) -> str | None:
         if "value" in variable:
-            return expand(variable["value"], self._links | found)
+            return expand(variable["value"], {**self._links, **found})
         source = variable["valueFrom"]
         if "fieldRef" in source:
             return self._fields[source["fieldRef"]["fieldPath"]]

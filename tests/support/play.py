@@ -72,6 +72,18 @@ def stands_still(player: Player, eyes: Eyes, seconds: float = 5.0) -> None:
     until(still, seconds, f"robot {player.robot} stands still")
 
 
+def hunt_down(shooter: Player, target: Player, eyes: Eyes, life: int, seconds: float = 60.0) -> None:
+    """Hunt the target until it has `life` left."""
+
+    def wounded() -> bool:
+        robots = eyes.robots()
+        shooter.drive(*hunt(robots[shooter.robot], robots[target.robot]))
+        return int(shooter.user(target.name)["life"]) <= life
+
+    until(wounded, seconds, f"{shooter.name} shoots {target.name} down to {life}")
+    shooter.drive()
+
+
 def shoot_to_the_end(shooter: Player, target: Player | int, eyes: Eyes, seconds: float = 120.0) -> list[int]:
     """Hunt the target (a player, or the robot of one that is not ours) until the battle is over.
 

@@ -10,6 +10,7 @@ import json
 import re
 import subprocess
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Self
 
@@ -90,14 +91,14 @@ class Pod:
         return flags
 
     def _mounts(self, container: Object) -> list[str]:
-        """An emptyDir belongs to root and the fsGroup, and everybody may write."""
-        volumes = {volume["name"]: volume for volume in self.spec["volumes"]}
+        """Who may write to an emptyDir is its user: runc before 1.2 gives it the mode of the image's folder."""
+        volumes, rights = {volume["name"]: volume for volume in self.spec["volumes"]}, self.spec["securityContext"]
         flags = []
         for mount in container["volumeMounts"]:
             volume = volumes[mount["name"]]
             if "emptyDir" in volume:
                 size = re.sub("i$", "", volume["emptyDir"]["sizeLimit"]).lower()
-                options = f"uid=0,gid={self.spec['securityContext']['fsGroup']},mode=2777,size={size}"
+                options = f"uid={rights['runAsUser']},gid={rights['fsGroup']},mode=2777,size={size}"
                 flags.append(f"--tmpfs={mount['mountPath']}:{options}")
             else:
                 read_only = ":ro" if mount.get("readOnly") else ""
@@ -106,7 +107,7 @@ class Pod:
 
     def _host_path(self, volume: Object) -> Path:
         """Instead of the host's own folder, one of this test's."""
-        path = self._folder / volume["hostPath"]["path"].lstrip("/")
+        path = Path(self._folder, str(volume["hostPath"]["path"]).lstrip("/"))
         path.mkdir(parents=True, exist_ok=True)
         return path
 
@@ -117,10 +118,14 @@ class Pod:
         if "exec" in how:
             words = ["docker", "exec", self.containers[name], *how["exec"]["command"]]
             return subprocess.run(words, capture_output=True, timeout=60, check=False).returncode == 0
-        (port,) = [each for each in container["ports"] if each["name"] == how["httpGet"]["port"]]
-        connection = http.client.HTTPConnection(self.address, port["containerPort"], timeout=how["timeoutSeconds"])
+        place = how.get("httpGet") or how["tcpSocket"]
+        (port,) = [each["containerPort"] for each in container["ports"] if each["name"] == place["port"]]
+        connection = http.client.HTTPConnection(self.address, port, timeout=how["timeoutSeconds"])
         try:
-            connection.request("GET", how["httpGet"]["path"])
+            connection.connect()
+            if "tcpSocket" in how:
+                return True
+            connection.request("GET", place["path"])
             return 200 <= connection.getresponse().status < 400
         except OSError:
             return False
@@ -130,12 +135,15 @@ class Pod:
     def wait_until_ready(self, seconds: float = 60.0) -> None:
         for name in self.containers:
             try:
-                until(lambda name=name: self.passes(name, "readinessProbe"), seconds, f"{self.name}/{name} is ready")
+                until(partial(self.passes, name, "readinessProbe"), seconds, f"{self.name}/{name} is ready")
             except AssertionError as error:
                 raise AssertionError(f"{error}\n{self.logs(name)}") from None
 
     def state(self, name: str) -> Object:
         return dict(json.loads(docker("inspect", "--format", "{{json .State}}", self.containers[name])))
+
+    def has_ended(self, name: str) -> bool:
+        return not self.state(name)["Running"]
 
     def logs(self, name: str) -> str:
         words = ["docker", "logs", self.containers[name]]
@@ -207,7 +215,7 @@ class ClusterBattle:
 
     def restart_what_ended(self) -> list[str]:
         """As a kubelet does, but at once; the names of the containers."""
-        ended = [(pod, name) for pod in self.pods.values() for name in pod.containers if not pod.state(name)["Running"]]
+        ended = [(pod, name) for pod in self.pods.values() for name in pod.containers if pod.has_ended(name)]
         for pod, name in ended:
             pod.start_container(name, self.manifests, self.addresses)
         return [f"{pod.name}/{name}" for pod, name in ended]

@@ -4,10 +4,16 @@ import socket
 
 
 def free_port() -> int:
-    """A port that nothing listens on now. The kernel hands out another one next time."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
+    """A port that nothing listens on, and that nobody else is given while this process lives.
+
+    It stays bound here: the kernel hands it out to no one, and who sets SO_REUSEADDR, as servers do, may listen on it.
+    """
+    reservation = socket.socket()
+    reservation.bind(("127.0.0.1", 0))
+    reservation.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    port = int(reservation.getsockname()[1])
+    reservation.detach()
+    return port
 
 
 def listening(port: int) -> bool:

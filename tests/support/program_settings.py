@@ -31,8 +31,8 @@ class Recorder(Mapping[str, str]):
 ROS = {"ROS_MASTER_URI", "ROS_IP"}  # rospy and rosmaster read these themselves
 Reader = Callable[[Mapping[str, str]], Any]
 READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
-    "server.main": (WebSettings.from_env, lambda found: {found.web_port}, ROS),
-    "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.port}, ROS),
+    "server.main": (WebSettings.from_env, lambda found: {found.node.port}, ROS),
+    "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.node.port}, ROS),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
     "sim.arena": (ArenaSettings.from_env, lambda found: {found.view_port, found.link_port}, set()),
     "sim.bot": (BotSettings.read, lambda _: set(), set()),

@@ -10,13 +10,16 @@ import weakref
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from tests.support.polling import until
+from tests.support.polling import patience, until
 
 ROOT = Path(__file__).resolve().parents[2]
 
 
 class Program:
-    """A child process in a process group of its own, its stdout and stderr kept in one file."""
+    """A child process in a process group of its own, its stdout and stderr kept in one file.
+
+    It gets SIGINT if the tests end without ending it, such as by Ctrl-C.
+    """
 
     def __init__(self, command: Sequence[str], env: Mapping[str, str] | None = None) -> None:
         self.command = [str(word) for word in command]
@@ -24,7 +27,7 @@ class Program:
         weakref.finalize(self, self._log.close)
         environment = {**os.environ, "PYTHONUNBUFFERED": "1", **(env or {})}
         self.process = subprocess.Popen(
-            self.command,
+            ["setpriv", "--pdeathsig=INT", *self.command],
             env=environment,
             cwd=ROOT,
             stdin=subprocess.DEVNULL,
@@ -36,6 +39,7 @@ class Program:
     @classmethod
     def python(cls, module: str, *arguments: str, env: Mapping[str, str] | None = None) -> "Program":
         """The Python module `module` of this repository, by the interpreter that runs the tests."""
+        env = {"PYTHONPATH": str(ROOT / "build" / "python"), **(env or {})}
         return cls([sys.executable, "-m", module, *arguments], env)
 
     @property
@@ -48,7 +52,7 @@ class Program:
     def running(self) -> bool:
         return self.process.poll() is None
 
-    def wait_for(self, text: str, seconds: float = 15.0) -> str:
+    def wait_for(self, text: str, seconds: float = 30.0) -> str:
         """Wait until the output contains `text`; AssertionError with the output if it ends or is late."""
 
         def seen() -> bool:
@@ -68,7 +72,7 @@ class Program:
         if self.running:
             self.process.send_signal(sig)
         try:
-            code = self.process.wait(seconds)
+            code = self.process.wait(seconds * patience())
         except subprocess.TimeoutExpired:
             os.killpg(self.process.pid, signal.SIGKILL)
             self.process.wait()

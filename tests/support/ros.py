@@ -6,6 +6,7 @@ A test package makes the fixture its own by importing it in its conftest.py:
 """
 
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -45,6 +46,15 @@ class RosMaster:
             self._program.stop()
             self._program = None
 
+    def pause(self) -> None:
+        """It hangs until resume()."""
+        assert self._program
+        self._program.process.send_signal(signal.SIGSTOP)
+
+    def resume(self) -> None:
+        assert self._program
+        self._program.process.send_signal(signal.SIGCONT)
+
 
 @pytest.fixture(scope="module")
 def ros_master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RosMaster]:
@@ -55,3 +65,11 @@ def ros_master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RosMaster]:
         yield master
     finally:
         master.stop()
+
+
+@pytest.fixture
+def own_master(tmp_path: Path) -> Iterator[RosMaster]:
+    """A master, not started yet, that the test may stop and start."""
+    master = RosMaster(tmp_path / "ros")
+    yield master
+    master.stop()

@@ -6,7 +6,7 @@ import * as dialogs from "./dialogs.js";
 import { Driver } from "./driver.js";
 import * as effects from "./effects.js";
 import { Heartbeat } from "./heartbeat.js";
-import { Link } from "./link.js";
+import { Connection } from "./connection.js";
 import { fromReply, fromTopic } from "./messages.js";
 import * as state from "./state.js";
 import * as storage from "./storage.js";
@@ -21,7 +21,7 @@ const byId = (id) => document.getElementById(id);
 class Game {
   #me; // { name, robot, avatar, date }
   #status = null;
-  #link;
+  #connection;
   #heartbeat;
   #driver;
   #timer = null;
@@ -35,27 +35,27 @@ class Game {
     this.#me = me;
     const port = document.querySelector("meta[name=rosbridge-port]").content;
     const scheme = location.protocol === "https:" ? "wss" : "ws";
-    this.#link = new Link({
+    this.#connection = new Connection({
       url: `${scheme}://${location.hostname}:${port}`,
       onStatus: (message) => {
         this.#heartbeat.tick(false);
         this.#take(fromTopic(message));
       },
-      onChange: () => this.#showLink(),
+      onChange: () => this.#showConnection(),
     });
     this.#heartbeat = new Heartbeat({
       post: api.gameStatus,
       now: () => performance.now(),
-      onReply: (reply) => this.#link.up || this.#take(fromReply(reply, this.#status)),
-      onLost: () => this.#showLink(),
+      onReply: (reply) => this.#connection.up || this.#take(fromReply(reply, this.#status)),
+      onLost: () => this.#showConnection(),
       onBack: () => {
-        this.#showLink();
+        this.#showConnection();
         this.#checkSession(); // the server may have forgotten its players
       },
     });
     this.#driver = new Driver({
       send: (command) => {
-        if (this.#link.publish(me.robot, command) && command.shoot) this.#laser.fire(performance.now());
+        if (this.#connection.publish(me.robot, command) && command.shoot) this.#laser.fire(performance.now());
       },
       every: (ms, act) => {
         const timer = setInterval(act, ms);
@@ -66,15 +66,15 @@ class Game {
 
   start() {
     view.showPlayer(this.#me);
-    this.#showLink();
+    this.#showConnection();
     connectControls(this.#driver, () => view.showHeld(this.#driver.actions));
     byId("ready-btn").addEventListener("click", () => this.#toggleReady());
     byId("sign-out").addEventListener("click", () => this.#askSignOut());
     for (const button of document.querySelectorAll("#how-to, #how-to-menu")) {
       button.addEventListener("click", () => this.#pause(dialogs.help));
     }
-    this.#link.start();
-    const beat = () => this.#heartbeat.tick(!this.#link.up);
+    this.#connection.start();
+    const beat = () => this.#heartbeat.tick(!this.#connection.up);
     this.#timer = setInterval(beat, TICK);
     beat();
   }
@@ -92,7 +92,7 @@ class Game {
     this.#status = status;
     if (state.mayDrive(status, name) && !this.#signingOut) this.#driver.start();
     else this.#stopDriving();
-    if (me.avatar !== this.#me.avatar && this.#link.up) this.#me.avatar = me.avatar;
+    if (me.avatar !== this.#me.avatar && this.#connection.up) this.#me.avatar = me.avatar;
     view.showPlayer(this.#me);
     view.showStatus(status, name);
     view.announce(state.announcement(previous, status, name));
@@ -103,7 +103,7 @@ class Game {
   #stopDriving() {
     if (!this.#driver.driving) return;
     this.#driver.stop();
-    this.#link.unadvertise();
+    this.#connection.unadvertise();
     view.showHeld(this.#driver.actions);
   }
 
@@ -118,8 +118,8 @@ class Game {
     dialogs.show({ kind: won ? "trophy" : "broken", title, text, body: [view.rankingList(rows)], calm: true });
   }
 
-  #showLink() {
-    view.showLink(state.linkState(this.#link.up, !this.#heartbeat.lost));
+  #showConnection() {
+    view.showConnection(state.connectionState(this.#connection.up, !this.#heartbeat.lost));
   }
 
   async #toggleReady() {
@@ -143,13 +143,13 @@ class Game {
       dialogs.show({
         kind: "warning",
         title: "Sign out?",
-        text: "Your robot becomes free for others. In a battle you give up.",
+        text: "Your robot becomes free for others. If a battle is running, you give up.",
         ok: "Sign out",
         cancel: "Cancel",
       }),
     );
     if (!sure) {
-      dialogs.toast("You stay: your session is safe.");
+      dialogs.toast("You are still signed in.");
       return;
     }
     this.#signingOut = true; // the next news of the battle must not hand the controls back
@@ -177,7 +177,7 @@ class Game {
       const text = "The connection to your robot is lost, so you have been signed out.";
       this.#leave({ kind: "error", title: "Robot lost", text }, 2500);
     } else if (session.user !== this.#me.name || session.robot !== this.#me.robot) {
-      location.reload(); // another tab of this browser has signed in anew
+      location.reload(); // another tab of this browser has signed in again
     }
   }
 
@@ -186,7 +186,7 @@ class Game {
     this.#left = true;
     clearInterval(this.#timer);
     this.#stopDriving();
-    this.#link.stop();
+    this.#connection.stop();
     storage.forget();
     dialogs.show({ ...message, ok: null });
     setTimeout(() => location.replace("/"), ms);
@@ -199,7 +199,7 @@ async function whoAmI() {
     try {
       return await api.session();
     } catch {
-      view.showLink(state.linkState(false, false));
+      view.showConnection(state.connectionState(false, false));
       await new Promise((resolve) => setTimeout(resolve, RETRY));
     }
   }

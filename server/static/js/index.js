@@ -12,7 +12,7 @@ const form = document.getElementById("login");
 const nameField = document.getElementById("username");
 const picture = document.getElementById("userImage");
 const robots = document.getElementById("availableR");
-const linkState = document.getElementById("link-state");
+const connectionState = document.getElementById("connection-state");
 
 let avatar = Math.floor(Math.random() * storage.AVATARS);
 let busy = false;
@@ -63,10 +63,10 @@ async function showRobots() {
     const reply = await api.availableRobots();
     setText(robots, String(reply.availableR));
     robots.dataset.none = reply.availableR === 0;
-    linkState.hidden = true;
+    connectionState.hidden = true;
   } catch {
     setText(robots, "?");
-    linkState.hidden = false;
+    connectionState.hidden = false;
   }
   setTimeout(showRobots, POLL);
 }

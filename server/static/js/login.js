@@ -27,7 +27,7 @@ export function loginDialog(reply) {
     case "NO_STORAGE":
       return {
         kind: "error",
-        title: "This browser keeps nothing",
+        title: "This browser blocks storage",
         text: "The game needs local storage. Allow it for this site or use another browser.",
       };
     case "NO_ANSWER":

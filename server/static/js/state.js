@@ -89,7 +89,7 @@ export function others(status, name) {
 }
 
 /**
- * Whether the last battle of this player has ended between two states; states may be missing in between (lost link).
+ * Whether the last battle of this player has ended between two states; some in between may be missing.
  * @param {Status|null} previous null right after the page has been opened: what is over then is no news
  * @param {Status} current
  */
@@ -152,7 +152,7 @@ export function lifeLost(previous, current, name) {
  * @param {boolean} web whether the web server answers
  * @returns {{level: "ok"|"warn"|"bad", text: string, banner: string}}
  */
-export function linkState(bridge, web) {
+export function connectionState(bridge, web) {
   if (!web) {
     return {
       level: "bad",
@@ -164,7 +164,7 @@ export function linkState(bridge, web) {
     return {
       level: "warn",
       text: "Reconnecting...",
-      banner: "The connection to your robot is down. The page keeps trying; commands are dropped meanwhile.",
+      banner: "The connection to your robot is down. The page keeps trying; until then you cannot drive.",
     };
   }
   return { level: "ok", text: "Online", banner: "" };

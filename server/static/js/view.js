@@ -117,9 +117,9 @@ function fillRow(row, user, game) {
   setLife(row.querySelector(".bar"), user.life);
 }
 
-/** The link indicator and, when something is wrong, the banner that says what. */
-export function showLink({ level, text, banner }) {
-  const box = byId("link-state");
+/** The state of the connection and, when something is wrong, the banner that says what. */
+export function showConnection({ level, text, banner }) {
+  const box = byId("connection-state");
   box.dataset.level = level;
   setText(box.querySelector("span"), text);
   const line = byId("banner");

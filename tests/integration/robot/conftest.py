@@ -33,7 +33,7 @@ def device(tmp_path: Path) -> Iterator[Device]:
 
 
 @pytest.fixture
-def settings(ros_master: RosMaster, web: WebServer, device: Device) -> dict[str, str]:
+def settings(ros_master: RosMaster, web: WebServer, device: Device, tmp_path: Path) -> dict[str, str]:
     """The robot's environment; it tries again every half second instead of every 5 s."""
     return {
         **ros_master.env,
@@ -42,4 +42,5 @@ def settings(ros_master: RosMaster, web: WebServer, device: Device) -> dict[str,
         "LASERBOT_SERIAL": device.path,
         "LASERBOT_ROBOT_NAME": "test-robot.1",
         "LASERBOT_RETRY": "0.5",
+        "LASERBOT_ALIVE_FILE": str(tmp_path / "alive"),
     }

@@ -28,5 +28,5 @@ def request_lines(chip: str, consumer: str, config: dict[int, gpiod.LineSettings
 
 
 if __name__ == "__main__":
-    gpiod.request_lines = request_lines
+    vars(gpiod)["request_lines"] = request_lines
     sys.exit(main())

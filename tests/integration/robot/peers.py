@@ -7,13 +7,14 @@ python -m tests.integration.robot.peers ids FILE     (serves /add_new_robot, the
 
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import rospy
 from std_msgs.msg import Empty
 
 from laser_bot_battle.msg import Robot_msg
-from laser_bot_battle.srv import AddNewRobot, AddNewRobotResponse
+from laser_bot_battle.srv import AddNewRobot, AddNewRobotRequest, AddNewRobotResponse
 
 
 def publish(topic: str, period: str, count: str, *command: str) -> None:
@@ -33,15 +34,12 @@ def listen(topic: str) -> None:
     def received(message: Empty) -> None:
         print("message from", message._connection_header["callerid"], flush=True)
 
-    subscriber = rospy.Subscriber(topic, Empty, received)
-    while subscriber.get_num_connections() == 0:
-        time.sleep(0.01)
-    print("connected", flush=True)
+    rospy.Subscriber(topic, Empty, received)
     rospy.spin()
 
 
 def ids(file: str) -> None:
-    def add(request: object) -> AddNewRobotResponse:
+    def add(request: AddNewRobotRequest) -> AddNewRobotResponse:
         print("asked by", request._connection_header["callerid"], flush=True)
         text = Path(file).read_text()
         if text == "none":
@@ -56,4 +54,5 @@ def ids(file: str) -> None:
 if __name__ == "__main__":
     role, *words = sys.argv[1:]
     rospy.init_node(f"peer_{role}", anonymous=True)
-    {"publish": publish, "listen": listen, "ids": ids}[role](*words)
+    roles: dict[str, Callable[..., None]] = {"publish": publish, "listen": listen, "ids": ids}
+    roles[role](*words)

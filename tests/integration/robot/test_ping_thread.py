@@ -9,7 +9,7 @@ import pytest
 
 from robot.ping_thread import PingThread
 from tests.integration.robot.web_server import WebServer
-from tests.support.polling import until
+from tests.support.polling import patience, until
 
 
 @pytest.fixture
@@ -25,6 +25,7 @@ def outages(caplog: pytest.LogCaptureFixture) -> int:
     return caplog.text.count("Connection to webserver lost")
 
 
+@pytest.mark.slow  # the time is real
 def test_a_ping_says_the_id_every_400_ms(web: WebServer, pings: PingThread) -> None:
     until(lambda: len(web.pings) >= 6)
     times, paths, bodies = zip(*web.pings[:6], strict=True)
@@ -90,8 +91,6 @@ def test_a_server_that_hangs_is_not_waited_for_longer_than_a_second(
 def test_no_ping_is_sent_after_the_stop(web: WebServer) -> None:
     with PingThread(web.url, 7) as pings:
         until(lambda: len(web.pings) >= 2)
-    begun = time.monotonic()
-    pings.join(3)
-    assert time.monotonic() - begun < 0.3
+    pings.join(3 * patience())
     assert not pings.is_alive()
     assert "pings" not in [thread.name for thread in threading.enumerate()]

@@ -18,7 +18,7 @@ from tests.support.programs import Program
 
 @pytest.fixture
 def robot(settings: dict[str, str]) -> Iterator[Program]:
-    """A robot with a LED."""
+    """A robot with an LED."""
     program = Program.python("tests.integration.robot.led_robot", env={**settings, "LASERBOT_LED": "17"})
     yield program
     if program.running:

@@ -7,9 +7,9 @@ import pytest
 from tests.integration.rosbridge.ends import Client, RosSide
 from tests.support.ports import free_port
 from tests.support.programs import Program
-from tests.support.ros import RosMaster, ros_master
+from tests.support.ros import RosMaster, own_master, ros_master
 
-__all__ = ["ros_master"]
+__all__ = ["own_master", "ros_master"]
 
 
 class Rosbridge:

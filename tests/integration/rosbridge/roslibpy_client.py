@@ -28,8 +28,13 @@ def main() -> None:
 def hear(ros: roslibpy.Ros, name: str, kind: str) -> dict[str, Any]:
     heard: list[dict[str, Any]] = []
     came = threading.Event()
+
+    def hear_one(message: dict[str, Any]) -> None:
+        heard.append(message)
+        came.set()
+
     topic = roslibpy.Topic(ros, name, kind, throttle_rate=1, queue_length=1)
-    topic.subscribe(lambda message: (heard.append(message), came.set()))
+    topic.subscribe(hear_one)
     assert came.wait(5), name
     topic.unsubscribe()
     return heard[0]

@@ -1,17 +1,18 @@
 """Who may drive, seen from the WebSocket and from the robot."""
 
 import socket
-import xmlrpc.client
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import pytest
 
+from laser_bot_battle.master import Master
+from laser_bot_battle.msg import GameStatus
 from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, NEUTRAL, Client, RosSide, player
 from tests.support.polling import until
 from tests.support.ros import RosMaster
 
-AL, BO = player("al", "token of al", 0), player("bo", "token of bo", 1)
-STOPPED, PLAYING = 0, 2
+AL, BO = player("al", "token-of-al", 0), player("bo", "token-of-bo", 1)
+STOPPED, PLAYING = GameStatus.STOPPED, GameStatus.PLAYING
 
 Connect = Callable[..., Client]
 
@@ -61,12 +62,12 @@ class Battle:
     def heard(self, robot: int) -> list[dict[str, object]]:
         return self.ros.heard(f"/Robot{robot}/command")[self.seen[robot] :]
 
-    def robot_hears(self, robot: int, *commands: dict[str, object]) -> None:
+    def robot_hears(self, robot: int, *commands: Mapping[str, object]) -> None:
         until(lambda: self.heard(robot) == list(commands), 5, f"{commands}, not {self.heard(robot)}")
 
 
 def test_players_drive_their_own_robots(battle: Battle, client: Connect) -> None:
-    al, bo = client("token of al"), client("token of bo")
+    al, bo = client("token-of-al"), client("token-of-bo")
     battle.ready(al, 0)
     battle.ready(bo, 1)
     turn = {"linear_x": 0, "angular_z": -1, "shoot": True}
@@ -79,21 +80,17 @@ def test_players_drive_their_own_robots(battle: Battle, client: Connect) -> None
 def test_a_client_may_be_quicker_than_the_news_of_its_player(
     battle: Battle, client: Connect, ros_master: RosMaster
 ) -> None:
-    with_cookie, with_auth = client("token of cy"), client()
+    with_cookie, with_auth = client("token-of-cy"), client()
     with_cookie.advertise(2)
-    with_auth.say("auth", client="di", mac="token of di")
+    with_auth.say("auth", client="di", mac="token-of-di")
     with_auth.advertise(3)
-    battle.says(STOPPED, player("cy", "token of cy", 2), player("di", "token of di", 3))
-    with xmlrpc.client.ServerProxy(ros_master.uri) as master:
-        until(
-            lambda: (
-                {"/Robot2/command", "/Robot3/command"} <= {topic for topic, _ in master.getSystemState("/test")[2][0]}
-            )
-        )
+    battle.says(STOPPED, player("cy", "token-of-cy", 2), player("di", "token-of-di", 3))
+    master = Master(ros_master.uri, "/test")
+    until(lambda: {"/Robot2/command", "/Robot3/command"} <= {topic for topic, _ in master.call("getSystemState")[0]})
 
 
 def test_no_player_drives_the_robot_of_another(battle: Battle, client: Connect) -> None:
-    al, bo = client("token of al"), client("token of bo")
+    al, bo = client("token-of-al"), client("token-of-bo")
     battle.ready(al, 0)
     bo.say("advertise", topic="/Robot0/command", type=COMMAND_TYPE, id="a1")
     assert bo.hear()["id"] == "a1"
@@ -127,16 +124,16 @@ def test_a_held_key_that_is_refused_is_told_so_once_a_second(battle: Battle, cli
 
 
 def test_the_cookie_counts_only_from_pages_of_this_host(battle: Battle, client: Connect) -> None:
-    ours = client("token of al", Origin="http://127.0.0.1:5000")
+    ours = client("token-of-al", Origin="http://127.0.0.1:5000")
     battle.ready(ours, 0)
-    theirs = client("token of al", Origin="http://evil.example")
+    theirs = client("token-of-al", Origin="http://evil.example")
     theirs.drive(0)
     assert "only signed-in players" in theirs.hear_error()
 
 
 def test_a_client_without_cookie_authenticates(battle: Battle, client: Connect) -> None:
     al = client()
-    al.say("auth", client="al", mac="token of al", dest="", rand="", t=0, level="", end=0)
+    al.say("auth", client="al", mac="token-of-al", dest="", rand="", t=0, level="", end=0)
     battle.ready(al, 0)
     al.drive(0)
     battle.robot_hears(0, FORWARD)
@@ -144,22 +141,22 @@ def test_a_client_without_cookie_authenticates(battle: Battle, client: Connect) 
 
 def test_who_authenticates_before_rosbridge_knows_of_the_sign_up_is_let_in(battle: Battle, client: Connect) -> None:
     cy = client()
-    cy.say("auth", client="cy", mac="token of cy")
-    battle.says(PLAYING, AL, BO, player("cy", "token of cy", 2))
+    cy.say("auth", client="cy", mac="token-of-cy")
+    battle.says(PLAYING, AL, BO, player("cy", "token-of-cy", 2))
     battle.seen[2] = 0
     battle.ready(cy, 2)
 
 
 def test_a_wrong_token_changes_nothing(battle: Battle, client: Connect) -> None:
-    al = client("token of al")
+    al = client("token-of-al")
     al.say("auth", client="al", mac="guess", id=5)
     answer = al.hear()
-    assert "nobody of this name has this token" in answer["msg"]
+    assert "no player has this name and this token" in answer["msg"]
     assert answer["id"] == 5
-    al.say("auth", client="bo", mac="token of al")
-    assert "nobody of this name" in al.hear_error()
+    al.say("auth", client="bo", mac="token-of-al")
+    assert "no player has this name" in al.hear_error()
     al.operate("guess")
-    assert "nobody of this name" in al.hear_error()
+    assert "no player has this name" in al.hear_error()
     battle.says(PLAYING, AL, BO)  # again: meanwhile the referee was silent for too long
     battle.ready(al, 0)
 
@@ -177,17 +174,17 @@ def test_operators_drive_at_any_time(battle: Battle, client: Connect) -> None:
     ("game", "al", "reason"),
     [
         (STOPPED, AL, "no battle is running"),
-        (PLAYING, player("al", "token of al", 0, life=0), "dead"),
-        (PLAYING, player("al", "token of al", 0, ready=False), "not in this battle"),
+        (PLAYING, player("al", "token-of-al", 0, life=0), "dead"),
+        (PLAYING, player("al", "token-of-al", 0, ready=False), "not in this battle"),
         (PLAYING, player("al", "another token", 0), "only signed-in players"),
-        (PLAYING, player("al", "token of al", 5), "al may publish on /Robot5/command only"),
+        (PLAYING, player("al", "token-of-al", 5), "al may publish on /Robot5/command only"),
     ],
     ids=["end of the battle", "death", "not ready", "signed out", "another robot"],
 )
 def test_the_robot_stops_when_the_right_to_drive_ends(
     battle: Battle, client: Connect, game: int, al: dict[str, object], reason: str
 ) -> None:
-    driver = client("token of al")
+    driver = client("token-of-al")
     battle.ready(driver, 0)
     driver.drive(0)
     battle.robot_hears(0, FORWARD)
@@ -199,7 +196,7 @@ def test_the_robot_stops_when_the_right_to_drive_ends(
 
 
 def test_the_robot_stops_when_the_socket_closes(battle: Battle, client: Connect) -> None:
-    al, bo = client("token of al"), client("token of bo")
+    al, bo = client("token-of-al"), client("token-of-bo")
     battle.ready(al, 0)
     battle.ready(bo, 1)
     al.drive(0)
@@ -211,7 +208,7 @@ def test_the_robot_stops_when_the_socket_closes(battle: Battle, client: Connect)
 
 
 def test_the_robot_stops_when_the_browser_dies(battle: Battle, client: Connect) -> None:
-    al = client("token of al")
+    al = client("token-of-al")
     battle.ready(al, 0)
     al.drive(0)
     battle.robot_hears(0, FORWARD)
@@ -220,18 +217,18 @@ def test_the_robot_stops_when_the_browser_dies(battle: Battle, client: Connect) 
 
 
 def test_a_standing_robot_is_not_stopped_again(battle: Battle, client: Connect) -> None:
-    al = client("token of al")
+    al = client("token-of-al")
     battle.ready(al, 0)
     al.drive(0)
     al.drive(0, NEUTRAL)
     al.close()
-    again = client("token of al")
+    again = client("token-of-al")
     again.drive(0)
     battle.robot_hears(0, FORWARD, NEUTRAL, FORWARD)
 
 
 def test_a_second_window_that_closes_does_not_stop_the_first(battle: Battle, client: Connect) -> None:
-    first, second = client("token of al"), client("token of al")
+    first, second = client("token-of-al"), client("token-of-al")
     battle.ready(second, 0)
     battle.ready(first, 0)
     second.drive(0)
@@ -244,7 +241,7 @@ def test_a_second_window_that_closes_does_not_stop_the_first(battle: Battle, cli
 
 
 def test_the_robot_stops_when_its_driver_no_longer_advertises(battle: Battle, client: Connect) -> None:
-    al = client("token of al")
+    al = client("token-of-al")
     battle.ready(al, 0)
     al.drive(0)
     al.say("unadvertise", topic="/Robot0/command")
@@ -252,7 +249,7 @@ def test_the_robot_stops_when_its_driver_no_longer_advertises(battle: Battle, cl
 
 
 def test_the_robot_stops_when_the_referee_falls_silent(battle: Battle, client: Connect) -> None:
-    al = client("token of al")
+    al = client("token-of-al")
     battle.ready(al, 0)
     al.drive(0)
     battle.robot_hears(0, FORWARD, NEUTRAL)
@@ -261,7 +258,7 @@ def test_the_robot_stops_when_the_referee_falls_silent(battle: Battle, client: C
 
 
 def test_a_command_that_is_none_is_refused_and_changes_nothing(battle: Battle, client: Connect) -> None:
-    al = client("token of al")
+    al = client("token-of-al")
     battle.ready(al, 0)
     for bad in ({"linear_x": 200}, {"linear_x": "1"}, {"shoot": 1}, {"speed": 1}, [1, 0, False], None):
         al.drive(0, bad)  # type: ignore[arg-type]

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 import pytest
 
@@ -99,7 +100,8 @@ def test_throttled_messages_come_no_faster_and_queued_ones_are_not_lost(ros: Ros
 
 def test_a_service_answers(ros: RosSide, client: Connect) -> None:
     operator = client().operate()
-    for args in ({}, {"args": []}, {"args": {}}, {"args": None}):
+    forms: list[dict[str, Any]] = [{}, {"args": []}, {"args": {}}, {"args": None}]
+    for args in forms:
         operator.say("call_service", service="add_new_robot", id="call:1", **args)
         assert operator.hear() == {
             "op": "service_response", "service": "add_new_robot", "values": {"ID": 7}, "result": True, "id": "call:1",
@@ -128,7 +130,7 @@ def test_a_failed_service_call_says_why(ros: RosSide, client: Connect, service: 
 def test_a_slow_service_is_waited_for_no_longer_than_asked_and_blocks_nobody(ros: RosSide, client: Connect) -> None:
     operator = client().operate()
     for number in range(16):
-        operator.say("call_service", service="/slow", id=number, timeout=1)
+        operator.say("call_service", service="/slow", id=number, timeout=2)
     operator.say("call_service", service="/add_new_robot", id="one too many")
     assert "16 service calls" in operator.hear_error()
     assert operator.hear()["id"] == "one too many"
@@ -136,10 +138,10 @@ def test_a_slow_service_is_waited_for_no_longer_than_asked_and_blocks_nobody(ros
     start = time.monotonic()
     other.say("call_service", service="/add_new_robot")
     assert other.hear()["result"] is True
-    assert time.monotonic() - start < 0.9
+    assert time.monotonic() - start < 1.9
     answers = [operator.hear() for _ in range(32)]
     assert [a["id"] for a in answers if a["op"] == "service_response"] == list(range(16))
-    assert {a["values"] for a in answers if a["op"] == "service_response"} == {"no response within 1 s"}
+    assert {a["values"] for a in answers if a["op"] == "service_response"} == {"no response within 2 s"}
 
 
 def test_a_robot_that_hangs_delays_nobody_and_is_driven_again_when_it_is_back(

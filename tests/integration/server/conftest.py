@@ -13,9 +13,9 @@ import requests
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import Program
-from tests.support.ros import HOST, RosMaster, ros_master
+from tests.support.ros import HOST, RosMaster, own_master, ros_master
 
-__all__ = ["ros_master"]
+__all__ = ["own_master", "ros_master"]
 
 PEERS = "tests.integration.server.peers"
 
@@ -164,11 +164,3 @@ def server(launch: Callable[..., GameServer]) -> GameServer:
     server = launch(LASERBOT_COUNTDOWN="1", LASERBOT_HIT_DAMAGE="40")
     server.wait_until_serving()
     return server
-
-
-@pytest.fixture
-def own_master(tmp_path: Path) -> Iterator[RosMaster]:
-    """A master, not started yet, that the test may stop and start."""
-    master = RosMaster(tmp_path / "ros")
-    yield master
-    master.stop()

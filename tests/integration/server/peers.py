@@ -11,6 +11,7 @@ import json
 import signal
 import sys
 import time
+from collections.abc import Callable
 
 import requests
 import rospy
@@ -83,4 +84,5 @@ def hit(robot_id: str) -> None:
 
 if __name__ == "__main__":
     role, *words = sys.argv[1:]
-    {"robot": robot, "status": status, "crowd": crowd, "hit": hit}[role](*words)
+    roles: dict[str, Callable[..., None]] = {"robot": robot, "status": status, "crowd": crowd, "hit": hit}
+    roles[role](*words)

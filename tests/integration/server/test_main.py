@@ -2,7 +2,6 @@
 
 import signal
 import socket
-import time
 
 import pytest
 import requests
@@ -13,12 +12,10 @@ from tests.support.programs import Program
 
 
 @pytest.mark.parametrize("sig", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_it_cleanly_within_two_seconds(server, sig):
+def test_a_signal_ends_it_cleanly(server, sig):
     server.robot("a")
     ada = server.player("ada")
-    began = time.monotonic()
-    assert server.program.stop(sig) == 0
-    assert time.monotonic() - began < 2
+    assert server.program.stop(sig, seconds=2) == 0
     assert "Traceback" not in server.program.output
     ada.close()
 
@@ -54,17 +51,6 @@ def test_a_restarted_master_makes_it_end_so_that_it_is_started_again(launch, own
     assert server.robot("a").id == 0
 
 
-def test_a_master_that_is_gone_makes_it_end(launch, own_master):
-    own_master.start()
-    server = launch(master=own_master)
-    server.wait_until_serving()
-    own_master.stop()
-    assert until(lambda: not server.program.running, 10)
-    assert server.program.process.returncode == 1
-    assert "does not answer any more" in server.program.output
-    assert "Traceback" not in server.program.output
-
-
 def test_a_second_server_of_the_same_name_replaces_the_first(launch):
     first = launch()
     first.wait_until_serving()
@@ -85,7 +71,7 @@ def test_a_port_in_use_is_one_clear_line(launch):
         assert server.program.process.wait(10) == 1
     lines = server.program.output.splitlines()
     assert len(lines) == 1
-    assert f"cannot listen at 127.0.0.1 port {port}" in lines[0]
+    assert f"cannot listen on 127.0.0.1 port {port}" in lines[0]
     assert "LASERBOT_WEB_PORT" in lines[0]
 
 

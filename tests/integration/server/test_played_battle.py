@@ -138,3 +138,23 @@ def test_bad_input_over_real_http_is_answered_in_json(server):
     assert post(json={"data": "ada"}) == (400, "ERROR")
     assert post(data={"data": "a b"}) == (400, "ERROR")
     assert "Traceback" not in server.program.output
+
+
+def test_a_ros_master_that_hangs_does_not_hold_up_the_news(launch, own_master):
+    own_master.start()
+    server = launch(master=own_master)
+    server.wait_until_serving()
+    gone, kept = server.robot("gone"), server.robot("kept")
+    listener = server.listener()
+    listener.wait_for(lambda status: status["available_robots"] == 2)
+    own_master.pause()
+    try:
+        gone.vanish()  # the server takes its leave of its topic, by the master
+        listener.wait_for(lambda status: status["available_robots"] == 1)
+        heard = len(listener.heard)
+        until(lambda: len(listener.heard) > heard + 4, 10, "the news goes on")
+        ada = server.player("ada")
+        assert listener.wait_for(lambda status: status["users"])["users"][0]["robot"] == kept.id
+        ada.close()
+    finally:
+        own_master.resume()

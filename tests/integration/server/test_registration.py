@@ -2,9 +2,9 @@
 
 import json
 import socket
-import xmlrpc.client
 from urllib.parse import urlsplit
 
+from laser_bot_battle.master import Master
 from tests.support.polling import until
 
 
@@ -98,8 +98,7 @@ def test_a_silent_robot_is_removed_and_its_subscription_with_it(server):
 
 
 def test_peers_that_stall_while_greeting_hold_up_nobody_and_are_cut_off(server, ros_master):
-    with xmlrpc.client.ServerProxy(ros_master.uri) as master:
-        _, _, service = master.lookupService("/test", "/add_new_robot")
+    service = Master(ros_master.uri, "/test").call("lookupService", "/add_new_robot")
     place = urlsplit(service)
     stalled = [socket.create_connection((place.hostname, place.port), 10) for _ in range(3)]
     try:

@@ -38,6 +38,7 @@ def test_a_beam_is_light_for_the_robot_in_front(arena: Arena) -> None:
         assert arena.look()["a0"]["hits"] == 0
 
 
+@pytest.mark.slow
 def test_light_follows_the_beam_at_once(arena: Arena) -> None:
     with ExitStack() as stack:
         shooter, target = two_face_to_face(stack, arena)

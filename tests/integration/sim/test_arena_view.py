@@ -19,12 +19,19 @@ def test_a_viewer_gets_the_arena_and_then_its_states(arena: Arena) -> None:
     with connect(arena.view_url) as view:
         first = json.loads(view.recv(timeout=5))
         assert (first["type"], first["width"], first["height"]) == ("arena", 1.6, 1.2)
-        start = time.monotonic()
         states = [json.loads(view.recv(timeout=5)) for _ in range(50)]
-        rate = len(states) / (time.monotonic() - start)
     assert {state["type"] for state in states} == {"state"}
     assert all(later["time"] > sooner["time"] for sooner, later in pairwise(states))
-    assert 15 < rate < 30
+
+
+@pytest.mark.slow
+def test_the_view_has_25_states_a_second(arena: Arena) -> None:
+    with connect(arena.view_url) as view:
+        view.recv(timeout=5)
+        start = time.monotonic()
+        for _ in range(50):
+            view.recv(timeout=5)
+        assert 15 < 50 / (time.monotonic() - start) < 30
 
 
 def test_a_viewer_sees_robots_come_drive_and_go(arena: Arena) -> None:
@@ -92,7 +99,7 @@ def test_a_port_in_use_is_one_clear_line(arena: Arena, variable: str) -> None:
 def test_an_impossible_setting_is_one_clear_line() -> None:
     program = Program.python("sim.arena", env={"LASERBOT_ARENA_PORT": "eighty"})
     assert program.process.wait(10) == 2
-    assert program.output == "arena: LASERBOT_ARENA_PORT=eighty: must be a port, 1 to 65535\n"
+    assert program.output == "arena: LASERBOT_ARENA_PORT=eighty: must be a whole number from 1 to 65535\n"
 
 
 def test_help_lists_the_variables() -> None:

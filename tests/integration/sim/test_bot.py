@@ -126,7 +126,7 @@ def test_without_a_server_it_waits_and_ends_cleanly() -> None:
     ports = {name: str(free_port()) for name in ("LASERBOT_WEB_PORT", "LASERBOT_ARENA_PORT")}
     bot = Program.python("sim.bot", "--master", "127.0.0.1", env=ports)
     bot.wait_for("no game server at")
-    bot.wait_for("is not to be seen")
+    bot.wait_for(f"the arena at ws://127.0.0.1:{ports['LASERBOT_ARENA_PORT']}/view does not answer")
     assert bot.stop() == 0
     assert "Traceback" not in bot.output
 

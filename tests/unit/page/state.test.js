@@ -132,7 +132,7 @@ test("a result that was there before the page is no news", () => {
   assert.ok(!state.hasEnded(heardByHttp, over, "Ann"));
 });
 
-test("a battle that ended while the link was down is told when it is back", () => {
+test("a battle that ended while the connection was down is told when it is back", () => {
   const before = status({ battle: 3, users, result: [player("Ann", { place: 1 })] });
   assert.ok(state.hasEnded(before, over, "Ann"));
   const meanwhile = fromReply({ game: 0, timeLeft: 0, users: "[]" }, playing);
@@ -171,11 +171,11 @@ test("the clock shows minutes and seconds", () => {
   assert.equal(state.clockText(-1), "0:00");
 });
 
-test("the link says what is wrong, the server before the robot", () => {
-  assert.deepEqual([state.linkState(true, true).level, state.linkState(true, true).text], ["ok", "Online"]);
-  assert.equal(state.linkState(false, true).level, "warn");
-  assert.match(state.linkState(false, true).banner, /robot/);
-  assert.equal(state.linkState(true, false).level, "bad");
-  assert.match(state.linkState(false, false).banner, /server/);
-  for (const link of [state.linkState(false, true), state.linkState(false, false)]) assert.match(link.text, /Reconnecting/);
+test("the connection says what is wrong, the server before the robot", () => {
+  assert.deepEqual([state.connectionState(true, true).level, state.connectionState(true, true).text], ["ok", "Online"]);
+  assert.equal(state.connectionState(false, true).level, "warn");
+  assert.match(state.connectionState(false, true).banner, /robot/);
+  assert.equal(state.connectionState(true, false).level, "bad");
+  assert.match(state.connectionState(false, false).banner, /server/);
+  for (const web of [true, false]) assert.match(state.connectionState(false, web).text, /Reconnecting/);
 });

@@ -2,17 +2,22 @@ from pathlib import Path
 
 import pytest
 
-from robot.settings import DEVICES, Settings, default_robot_name
+from laser_bot_battle.settings import SettingsError
+from robot.id_service_client import main
+from robot.settings import Settings, default_robot_name
+from tests.support.documents import Row, page, table
+from tests.support.program_settings import Recorder
 
 
 def test_the_defaults_are_those_of_the_manual() -> None:
     settings = Settings.from_env({})
     assert settings.alive_url == "http://laser_bot_master.local:5000/incAlive"
     assert settings.ros_master_uri == "http://laser_bot_master.local:11311"
-    assert settings.devices == DEVICES == ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0")
+    assert settings.devices == ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0")
     assert settings.retry == 5
     assert settings.led == 18
     assert settings.log_level == "info"
+    assert settings.caller_id.startswith("/id_service_client_")
 
 
 def test_the_environment_overrides_them() -> None:
@@ -32,6 +37,11 @@ def test_the_environment_overrides_them() -> None:
     assert settings.devices == ("socket://arena:9000",)
     assert settings.caller_id == "/id_service_client_virtual_0"
     assert (settings.retry, settings.led, settings.log_level) == (0.5, 27, "debug")
+
+
+@pytest.mark.parametrize("row", table(page("protocol-ros.md"), "Callers"), ids=lambda row: row["callerid"])
+def test_a_robot_asks_for_its_id_by_the_name_on_the_protocols_page(row: Row) -> None:
+    assert Settings.from_env({"LASERBOT_ROBOT_NAME": row["LASERBOT_ROBOT_NAME"]}).caller_id == row["callerid"]
 
 
 def test_a_robot_may_have_no_led() -> None:
@@ -61,15 +71,17 @@ def test_a_ros_master_that_is_set_counts() -> None:
     ],
 )
 def test_a_value_that_cannot_be_used_is_named(variable: str, value: str) -> None:
-    with pytest.raises(ValueError, match=f"{variable}={value}"):
+    with pytest.raises(SettingsError, match=f"{variable}={value}"):
         Settings.from_env({variable: value})
 
 
-def test_a_wrong_value_ends_a_program_with_one_line_and_exit_code_2(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as end:
-        Settings.load({"LASERBOT_WEB_PORT": "x"})
-    assert end.value.code == 2
-    assert capsys.readouterr().err.count("\n") == 1
+def test_the_help_lists_all_that_is_read(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    read = Recorder({})
+    Settings.from_env(read)
+    monkeypatch.setattr("sys.argv", ["robot.id_service_client", "--help"])
+    with pytest.raises(SystemExit):
+        main()
+    assert read.read <= set(capsys.readouterr().out.split())
 
 
 def interface(folder: Path, name: str, address: str, hardware: bool) -> None:

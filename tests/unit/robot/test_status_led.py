@@ -4,7 +4,7 @@ import pytest
 from gpiod.line import Value
 
 from robot.gpio_line import GpioLine
-from robot.status_led import LedThread, State, Status, lit
+from robot.status_led import Indication, LedThread, State, lit
 from tests.support.gpio import RecordedRequest
 from tests.support.polling import until
 
@@ -23,12 +23,12 @@ def test_it_blinks_beginning_dark(state: State, half: float) -> None:
 
 
 class Led:
-    """A LED whose time is told by the test."""
+    """An LED whose time is told by the test."""
 
     def __init__(self) -> None:
-        self.status = Status()
+        self.indication = Indication()
         self.request = RecordedRequest()
-        self.thread = LedThread(self.status, GpioLine(self.request, 18))
+        self.thread = LedThread(self.indication, GpioLine(self.request, 18))
 
     def changes(self, begin: float, end: float) -> list[bool]:
         """What is written between two times, if the thread looks every 20 ms."""
@@ -45,23 +45,23 @@ def led() -> Led:
 
 def test_only_changes_are_written(led: Led) -> None:
     assert led.changes(50.0, 60.0) == []  # lit from the beginning
-    led.status.state = State.WORKING
+    led.indication.state = State.WORKING
     assert led.changes(60.0, 64.0) == [False, True] * 4
 
 
 def test_each_state_begins_with_its_own_first_phase(led: Led) -> None:
-    led.status.state = State.WORKING
+    led.indication.state = State.WORKING
     assert led.changes(10.0, 10.7) == [False, True]
-    led.status.state = State.FAILING
+    led.indication.state = State.FAILING
     assert led.changes(10.7, 11.1) == [False, True] * 2
-    led.status.state = State.WORKING
+    led.indication.state = State.WORKING
     assert led.changes(11.1, 11.55) == [False]
 
 
 def test_a_state_that_is_said_again_goes_on(led: Led) -> None:
-    led.status.state = State.WORKING
+    led.indication.state = State.WORKING
     assert led.changes(0.0, 0.4) == [False]
-    led.status.state = State.WORKING
+    led.indication.state = State.WORKING
     assert led.changes(0.4, 0.8) == [True]
 
 
@@ -74,10 +74,10 @@ def test_in_the_end_it_is_dark_and_the_line_is_free(led: Led) -> None:
 
 def test_a_line_that_is_lost_ends_the_thread_with_a_warning(led: Led, caplog: pytest.LogCaptureFixture) -> None:
     led.request.gone = True
-    led.status.state = State.FAILING
+    led.indication.state = State.FAILING
     with led.thread:
         until(lambda: not led.thread.is_alive())
     assert [record.getMessage() for record in caplog.records] == [
-        "the status LED cannot be set any more: [Errno 19] No such device"
+        "the status LED can no longer be set: [Errno 19] No such device"
     ]
     assert led.request.released

@@ -1,8 +1,8 @@
-"""What the tests of sessions share."""
+"""What the tests of clients share."""
 
 import pytest
 
-from tests.unit.rosbridge.sessions import Server
+from tests.unit.rosbridge.clients import Server
 
 
 @pytest.fixture

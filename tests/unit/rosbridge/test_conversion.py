@@ -127,9 +127,9 @@ def test_a_value_that_does_not_fit_is_refused_with_its_place(
     "name", ["", "String", "std_msgs/", "/std_msgs/String", "std_msgs/Nothing", "nothing/String", "os.path/x", "a/b/c"]
 )
 def test_an_unknown_type_is_refused(types: Types, name: str) -> None:
-    with pytest.raises(ConversionError, match=r"unknown here|is no message type"):
+    with pytest.raises(ConversionError, match=r"unknown here|is not a message type"):
         types.message(name)
-    with pytest.raises(ConversionError, match=r"unknown here|is no service type"):
+    with pytest.raises(ConversionError, match=r"unknown here|is not a service type"):
         types.service(name)
 
 

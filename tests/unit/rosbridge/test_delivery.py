@@ -2,10 +2,7 @@
 
 import json
 
-import pytest
-
-from server.rosbridge.outbox import MOST_BYTES, MOST_REPLIES, Outbox
-from server.rosbridge.settings import Settings, SettingsError
+from server.rosbridge.outbox import MAX_BYTES, MAX_REPLIES, Outbox
 from server.rosbridge.subscription import Subscription
 
 
@@ -76,38 +73,21 @@ def test_of_each_topic_the_newest_messages_wait_and_order_is_kept() -> None:
     outbox.message("/a", "a2", 1)
     outbox.message("/b", "b2", 2)
     outbox.message("/b", "b3", 2)
-    assert not outbox.hopeless
+    assert not outbox.is_full
     waiting = []
     while outbox:
         waiting.append(outbox.next())
     assert waiting == ["r1", "a2", "b2", "b3"]
 
 
-def test_too_many_replies_or_bytes_are_hopeless() -> None:
+def test_too_many_replies_or_bytes_fill_it() -> None:
     outbox = Outbox()
-    for _ in range(MOST_REPLIES):
+    for _ in range(MAX_REPLIES):
         outbox.reply("r")
-    assert not outbox.hopeless
+    assert not outbox.is_full
     outbox.reply("r")
-    assert outbox.hopeless
+    assert outbox.is_full
     outbox.next()
-    assert not outbox.hopeless
-    outbox.message("/a", "x" * MOST_BYTES, 1)
-    assert outbox.hopeless
-
-
-def test_settings_have_defaults() -> None:
-    assert Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": ""}) == Settings()
-    assert Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": "1", "LASERBOT_OPERATOR_TOKEN": "x"}) == Settings(
-        port=1, operator_token="x"
-    )
-
-
-@pytest.mark.parametrize(
-    "variable",
-    [("LASERBOT_ROSBRIDGE_PORT", "0"), ("LASERBOT_ROSBRIDGE_PORT", "65536"), ("LASERBOT_ROSBRIDGE_PORT", "-1"),
-     ("LASERBOT_ROSBRIDGE_PORT", "9 0"), ("LASERBOT_ROSBRIDGE_PORT", "²"), ("LASERBOT_LOG_LEVEL", "loud")],
-)  # fmt: skip
-def test_an_impossible_setting_is_named(variable: tuple[str, str]) -> None:
-    with pytest.raises(SettingsError, match="=".join(variable)):
-        Settings.from_env(dict([variable]))
+    assert not outbox.is_full
+    outbox.message("/a", "x" * MAX_BYTES, 1)
+    assert outbox.is_full

@@ -4,61 +4,61 @@ import pytest
 
 from laser_bot_battle.msg import Robot_msg
 from server.rosbridge.effects import OpenPublisher, Publish
-from server.rosbridge.gate import ANYBODY, OPERATOR, Gate, session_identity
-from tests.unit.rosbridge.sessions import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
+from server.rosbridge.gate import GUEST, OPERATOR, Gate, session_identity
+from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
 
 
 def test_a_player_authenticates_by_name_and_token(server: Server) -> None:
     server.battle()
-    session = server.session(ANYBODY)
-    assert say(session, op="auth", client="al", mac=TOKEN, dest="", rand="x", t=1, level="", end=9) == []
-    assert session.receive(PUBLISH, 0.0)[-1] == Publish("/Robot3/command", Robot_msg(1, -1, False))
+    client = server.client(GUEST)
+    assert say(client, op="auth", client="al", mac=TOKEN, dest="", rand="x", t=1, level="", end=9) == []
+    assert client.receive(PUBLISH, 0.0)[-1] == Publish("/Robot3/command", Robot_msg(1, -1, False))
 
 
 def test_a_player_may_authenticate_a_moment_before_the_referee_says_so(server: Server) -> None:
-    session = server.session(ANYBODY)
-    assert say(session, op="auth", client="al", mac=TOKEN) == []
+    client = server.client(GUEST)
+    assert say(client, op="auth", client="al", mac=TOKEN) == []
     server.battle(now=1.0)
-    assert session.updated(1.0) == []
-    assert session.identity == session_identity(TOKEN)
+    assert client.updated(1.0) == []
+    assert client.identity == session_identity(TOKEN)
 
 
 @pytest.mark.parametrize("name", ["al", "operator"])
 @pytest.mark.parametrize("token", ["guess", "", "\ud800", "ö"], ids=ascii)
 def test_a_token_that_nobody_has_is_refused_after_a_while(server: Server, name: str, token: str) -> None:
     who = session_identity("of before")
-    session = server.session(who)
-    assert say(session, op="auth", client=name, mac=token, id=4) == []
-    assert session.updated(1.9) == []
-    refusal = error(session.updated(2.0))
-    assert (refusal["msg"], refusal["id"]) == ("nobody of this name has this token", 4)
-    assert session.updated(9.0) == []
-    assert session.identity == who
+    client = server.client(who)
+    assert say(client, op="auth", client=name, mac=token, id=4) == []
+    assert client.updated(1.9) == []
+    refusal = error(client.updated(2.0))
+    assert (refusal["msg"], refusal["id"]) == ("no player has this name and this token", 4)
+    assert client.updated(9.0) == []
+    assert client.identity == who
 
 
 def test_a_token_does_not_fit_another_name(server: Server) -> None:
     server.battle()
-    session = server.session(ANYBODY)
-    assert "nobody of this name" in error(say(session, op="auth", client="bo", mac=TOKEN))["msg"]
-    assert session.identity == ANYBODY
+    client = server.client(GUEST)
+    assert "no player has this name" in error(say(client, op="auth", client="bo", mac=TOKEN))["msg"]
+    assert client.identity == GUEST
 
 
 def test_the_operator_authenticates(server: Server) -> None:
-    session = server.session(ANYBODY)
-    assert say(session, op="auth", client="operator", mac="secret") == []
-    assert session.identity == OPERATOR
+    client = server.client(GUEST)
+    assert say(client, op="auth", client="operator", mac="secret") == []
+    assert client.identity == OPERATOR
 
 
 def test_the_operators_second_try_counts(server: Server) -> None:
-    session = server.session(ANYBODY)
-    say(session, op="auth", client="operator", mac="sceret")
-    say(session, op="auth", client="operator", mac="secret")
-    assert session.updated(2.0) == []
-    assert session.identity == OPERATOR
+    client = server.client(GUEST)
+    say(client, op="auth", client="operator", mac="sceret")
+    say(client, op="auth", client="operator", mac="secret")
+    assert client.updated(2.0) == []
+    assert client.identity == OPERATOR
 
 
 def test_a_player_may_be_called_operator_and_is_none(server: Server) -> None:
-    early, late = server.session(ANYBODY), server.session(ANYBODY)
+    early, late = server.client(GUEST), server.client(GUEST)
     assert say(early, op="auth", client="operator", mac=TOKEN) == []
     server.battle(now=1.0, name="operator")
     assert early.updated(1.0) == []
@@ -68,14 +68,14 @@ def test_a_player_may_be_called_operator_and_is_none(server: Server) -> None:
 
 def test_without_a_token_set_nobody_is_operator(server: Server) -> None:
     server.gate = Gate("")
-    session = server.session(ANYBODY)
-    say(session, op="auth", client="operator", mac="")
-    error(session.updated(2.0))
-    assert session.identity == ANYBODY
+    client = server.client(GUEST)
+    say(client, op="auth", client="operator", mac="")
+    error(client.updated(2.0))
+    assert client.identity == GUEST
 
 
 def test_a_player_may_advertise_a_moment_before_the_referee_says_so(server: Server) -> None:
-    al = server.session(session_identity(TOKEN))
+    al = server.client(session_identity(TOKEN))
     assert al.receive(ADVERTISE, 0.0) == []
     assert al.updated(1.0) == []
     server.battle(now=1.0, game=0)
@@ -86,7 +86,7 @@ def test_a_player_may_advertise_a_moment_before_the_referee_says_so(server: Serv
 
 
 def test_a_player_may_authenticate_and_advertise_in_one_breath(server: Server) -> None:
-    al = server.session(ANYBODY)
+    al = server.client(GUEST)
     say(al, op="auth", client="al", mac=TOKEN)
     assert al.receive(ADVERTISE, 0.0) == []
     server.battle(now=1.0)
@@ -95,7 +95,7 @@ def test_a_player_may_authenticate_and_advertise_in_one_breath(server: Server) -
 
 
 def test_a_newcomer_may_not_advertise_more_than_any_player(server: Server) -> None:
-    al = server.session(session_identity(TOKEN))
+    al = server.client(session_identity(TOKEN))
     say(al, op="advertise", topic="/Robot4/command", type="laser_bot_battle/Robot_msg", id=5)
     server.battle(now=1.0)
     refusal = error(al.updated(1.0))
@@ -103,7 +103,7 @@ def test_a_newcomer_may_not_advertise_more_than_any_player(server: Server) -> No
 
 
 def test_a_newcomer_may_change_its_mind(server: Server) -> None:
-    al = server.session(session_identity(TOKEN))
+    al = server.client(session_identity(TOKEN))
     al.receive(ADVERTISE, 0.0)
     say(al, op="set_level", level="warning")
     assert say(al, op="unadvertise", topic="/Robot3/command") == []
@@ -112,7 +112,7 @@ def test_a_newcomer_may_change_its_mind(server: Server) -> None:
 
 
 def test_a_newcomer_cannot_ask_without_end(server: Server) -> None:
-    stranger = server.session(session_identity("of nobody"))
+    stranger = server.client(session_identity("of nobody"))
     for number in range(100):
         assert say(stranger, op="advertise", topic=f"/p{number}", type="std_msgs/String") == []
     error(say(stranger, op="advertise", topic="/more", type="std_msgs/String"))
@@ -121,7 +121,7 @@ def test_a_newcomer_cannot_ask_without_end(server: Server) -> None:
 
 def test_a_player_whose_advertising_was_refused_drives_nevertheless(server: Server) -> None:
     """While the referee was away, say."""
-    al = server.session(session_identity(TOKEN))
+    al = server.client(session_identity(TOKEN))
     assert al.receive(ADVERTISE, 0.0) == []
     assert al.updated(1.9) == []
     assert "only signed-in players" in error(al.updated(2.0))["msg"]

@@ -17,12 +17,12 @@ from server.rosbridge.effects import (
     Replay,
     Send,
 )
-from server.rosbridge.gate import ANYBODY, OPERATOR, session_identity
-from tests.unit.rosbridge.sessions import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
+from server.rosbridge.gate import GUEST, OPERATOR, session_identity
+from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
 
 
 def test_the_words_of_a_page_become_commands_to_its_robot(server: Server) -> None:
-    al = server.session(session_identity(TOKEN))
+    al = server.client(session_identity(TOKEN))
     server.battle()
     (opened,) = al.receive(ADVERTISE, 0.0)
     assert isinstance(opened, OpenPublisher)
@@ -37,9 +37,9 @@ def test_the_words_of_a_page_become_commands_to_its_robot(server: Server) -> Non
      '{"op": "no such thing"}', '{"op": "handlers"}', '{"op": "__init__"}', '{"op": "Publish"}'],
 )  # fmt: skip
 def test_what_is_no_request_gets_an_error_and_changes_nothing(server: Server, text: str | bytes) -> None:
-    session = server.session()
-    error(session.receive(text, 0.0))
-    assert session.closed() == []
+    client = server.client()
+    error(client.receive(text, 0.0))
+    assert client.closed() == []
 
 
 @pytest.mark.parametrize(
@@ -85,23 +85,23 @@ def test_what_is_no_request_gets_an_error_and_changes_nothing(server: Server, te
     ],
 )
 def test_a_bad_request_gets_an_error_with_its_id_and_changes_nothing(server: Server, request_: dict[str, Any]) -> None:
-    session = server.session()
-    assert error(session.receive(json.dumps({**request_, "id": "i1"}), 0.0))["id"] == "i1"
-    assert session.closed() == []
-    assert session.identity == OPERATOR
+    client = server.client()
+    assert error(client.receive(json.dumps({**request_, "id": "i1"}), 0.0))["id"] == "i1"
+    assert client.closed() == []
+    assert client.identity == OPERATOR
 
 
 @pytest.mark.parametrize(("given", "echoed"), [("x", "x"), (7, 7), ("", ""), (None, None), ([1], None), (True, None)])
 def test_an_id_is_text_or_a_whole_number(server: Server, given: Any, echoed: Any) -> None:
-    assert error(say(server.session(), op="nonsense", id=given)).get("id") == echoed
+    assert error(say(server.client(), op="nonsense", id=given)).get("id") == echoed
 
 
 def test_everybody_may_watch_the_battle_and_nothing_else(server: Server) -> None:
-    guest = server.session(ANYBODY)
+    guest = server.client(GUEST)
     (opened,) = say(guest, op="subscribe", topic="game_status", type="laser_bot_battle/GameStatus")
     assert isinstance(opened, OpenSubscription)
     assert opened.topic == "/game_status"
-    (replay,) = say(server.session(ANYBODY), op="subscribe", topic="/game_status")
+    (replay,) = say(server.client(GUEST), op="subscribe", topic="/game_status")
     assert replay == Replay("/game_status")
     requests: list[dict[str, Any]] = [
         {"op": "subscribe", "topic": "/rosout", "type": "rosgraph_msgs/Log"},
@@ -116,7 +116,7 @@ def test_everybody_may_watch_the_battle_and_nothing_else(server: Server) -> None
 
 
 def test_topics_open_with_the_first_client_and_close_with_the_last(server: Server) -> None:
-    first, second = server.session(), server.session()
+    first, second = server.client(), server.client()
     topic = {"topic": "/a", "type": "std_msgs/String"}
     (opened,) = say(first, op="advertise", **topic, latch=True)
     assert isinstance(opened, OpenPublisher)
@@ -133,7 +133,7 @@ def test_topics_open_with_the_first_client_and_close_with_the_last(server: Serve
 
 
 def test_a_topic_has_one_type_while_it_is_open(server: Server) -> None:
-    first, second = server.session(), server.session()
+    first, second = server.client(), server.client()
     say(first, op="subscribe", topic="/a", type="std_msgs/String")
     assert error(say(second, op="advertise", topic="/a", type="std_msgs/Bool"))["msg"] == (
         "/a is of type std_msgs/String, not std_msgs/Bool"
@@ -144,45 +144,45 @@ def test_a_topic_has_one_type_while_it_is_open(server: Server) -> None:
 
 
 def test_subscriptions_by_id_end_one_by_one(server: Server) -> None:
-    session = server.session()
+    client = server.client()
     for number in (1, 2):
-        say(session, op="subscribe", topic="/a", type="std_msgs/String", id=number)
-    assert say(session, op="unsubscribe", topic="/a", id=1) == []
-    assert say(session, op="unsubscribe", topic="/a", id=1) == []
-    assert say(session, op="unsubscribe", topic="/a", id=2) == [CloseSubscription("/a")]
+        say(client, op="subscribe", topic="/a", type="std_msgs/String", id=number)
+    assert say(client, op="unsubscribe", topic="/a", id=1) == []
+    assert say(client, op="unsubscribe", topic="/a", id=1) == []
+    assert say(client, op="unsubscribe", topic="/a", id=2) == [CloseSubscription("/a")]
     for number in (1, 2):
-        say(session, op="subscribe", topic="/a", type="std_msgs/String", id=number)
-    assert say(session, op="unsubscribe", topic="/a") == [CloseSubscription("/a")]
+        say(client, op="subscribe", topic="/a", type="std_msgs/String", id=number)
+    assert say(client, op="unsubscribe", topic="/a") == [CloseSubscription("/a")]
 
 
 def test_a_warning_is_sent_to_those_who_want_warnings(server: Server) -> None:
-    session = server.session()
-    assert say(session, op="unadvertise", topic="/a") == []
-    say(session, op="set_level", level="warning")
-    (sent,) = say(session, op="unadvertise", topic="/a", id=1)
+    client = server.client()
+    assert say(client, op="unadvertise", topic="/a") == []
+    say(client, op="set_level", level="warning")
+    (sent,) = say(client, op="unadvertise", topic="/a", id=1)
     assert isinstance(sent, Send)
     assert json.loads(sent.text) == {
         "op": "status", "level": "warning", "msg": "/a is not advertised by this client", "id": 1,
     }  # fmt: skip
-    say(session, op="set_level", level="none")
-    assert say(session, op="nonsense") == []
+    say(client, op="set_level", level="none")
+    assert say(client, op="nonsense") == []
 
 
 def test_a_client_cannot_open_topics_without_end(server: Server) -> None:
-    session = server.session()
+    client = server.client()
     for number in range(100):
-        say(session, op="subscribe", topic=f"/s{number}", type="std_msgs/String")
-        say(session, op="advertise", topic=f"/p{number}", type="std_msgs/String")
-    assert "100 topics" in error(say(session, op="subscribe", topic="/more", type="std_msgs/String"))["msg"]
-    assert "100 topics" in error(say(session, op="advertise", topic="/more", type="std_msgs/String"))["msg"]
+        say(client, op="subscribe", topic=f"/s{number}", type="std_msgs/String")
+        say(client, op="advertise", topic=f"/p{number}", type="std_msgs/String")
+    assert "100 topics" in error(say(client, op="subscribe", topic="/more", type="std_msgs/String"))["msg"]
+    assert "100 topics" in error(say(client, op="advertise", topic="/more", type="std_msgs/String"))["msg"]
     for number in range(99):
-        say(session, op="subscribe", topic="/s0", id=number)
-    assert "100 times" in error(say(session, op="subscribe", topic="/s0", id="more"))["msg"]
+        say(client, op="subscribe", topic="/s0", id=number)
+    assert "100 times" in error(say(client, op="subscribe", topic="/s0", id="more"))["msg"]
 
 
 def test_a_service_call_is_answered_with_its_id(server: Server) -> None:
-    session = server.session()
-    (call,) = say(session, op="call_service", service="add", id="c1", args=[1, 2], timeout=2.5)
+    client = server.client()
+    (call,) = say(client, op="call_service", service="add", id="c1", args=[1, 2], timeout=2.5)
     assert isinstance(call, CallService)
     assert (call.service, call.args, call.timeout) == ("/add", [1, 2], 2.5)
     assert call.done({"sum": 3}, "", 0.0) == [
@@ -191,7 +191,7 @@ def test_a_service_call_is_answered_with_its_id(server: Server) -> None:
 
 
 def test_a_failed_service_call_is_told_twice(server: Server) -> None:
-    (call,) = say(server.session(), op="call_service", service="/add")
+    (call,) = say(server.client(), op="call_service", service="/add")
     assert isinstance(call, CallService)
     assert (call.args, call.timeout) == ({}, 10.0)
     assert without_log(call.done(None, "no such service", 0.0)) == [
@@ -204,7 +204,7 @@ def test_a_failed_service_call_is_told_twice(server: Server) -> None:
     "fields", [{"service": "a b"}, {"args": "x"}, {"args": 5}, {"timeout": "1"}, {"compression": "png"}], ids=str
 )
 def test_a_bad_service_call_is_answered_too(server: Server, fields: dict[str, Any]) -> None:
-    status, response = say(server.session(), **{"op": "call_service", "service": "/add", "id": 1, **fields})
+    status, response = say(server.client(), **{"op": "call_service", "service": "/add", "id": 1, **fields})
     assert isinstance(status, Send)
     assert isinstance(response, Send)
     assert json.loads(status.text)["level"] == "error"
@@ -213,17 +213,17 @@ def test_a_bad_service_call_is_answered_too(server: Server, fields: dict[str, An
 
 
 def test_service_calls_under_way_are_counted(server: Server) -> None:
-    session = server.session()
-    calls = [say(session, op="call_service", service="/a")[0] for _ in range(16)]
-    assert len(say(session, op="call_service", service="/a")) == 2
+    client = server.client()
+    calls = [say(client, op="call_service", service="/a")[0] for _ in range(16)]
+    assert len(say(client, op="call_service", service="/a")) == 2
     assert isinstance(calls[0], CallService)
     calls[0].done(None, "late", 0.0)
-    (call,) = say(session, op="call_service", service="/a")
+    (call,) = say(client, op="call_service", service="/a")
     assert isinstance(call, CallService)
 
 
 def test_a_refusal_to_drive_is_told_once_a_second_or_when_its_reason_changes(server: Server) -> None:
-    al = server.session(session_identity(TOKEN))
+    al = server.client(session_identity(TOKEN))
     server.battle(game=0)
     assert "no battle is running" in error(al.receive(PUBLISH, 0.0))["msg"]
     assert al.receive(PUBLISH, 0.5) == []
@@ -234,13 +234,13 @@ def test_a_refusal_to_drive_is_told_once_a_second_or_when_its_reason_changes(ser
 
 def test_a_leaving_driver_leaves_a_neutral_command(server: Server) -> None:
     server.battle()
-    al = server.session(session_identity(TOKEN))
+    al = server.client(session_identity(TOKEN))
     al.receive(PUBLISH, 0.0)
     assert al.closed() == [Publish("/Robot3/command", Robot_msg(0, 0, False)), ClosePublisher("/Robot3/command")]
 
 
 def test_nonsense_does_not_fill_the_log(server: Server) -> None:
-    session = server.session()
-    lines = [e for n in range(100) for e in session.receive("{", n / 100) if isinstance(e, Log)]
+    client = server.client()
+    lines = [e for n in range(100) for e in client.receive("{", n / 100) if isinstance(e, Log)]
     assert len(lines) == 6
-    assert any(isinstance(e, Log) for e in session.receive("{", 1.5))
+    assert any(isinstance(e, Log) for e in client.receive("{", 1.5))

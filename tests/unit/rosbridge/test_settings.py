@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from server.rosbridge.settings import Settings, SettingsError
+from laser_bot_battle.settings import SettingsError
+from server.rosbridge.settings import Settings
 
 
 def test_the_operators_token_comes_from_the_environment_or_from_a_file(tmp_path: Path) -> None:

@@ -4,8 +4,8 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from server.referee import Referee, Rules, Verdict
-from server.snapshot import Placing, Player, Snapshot
+from server.game.referee import Referee, Rules, Verdict
+from server.game.snapshot import Placing, Player, Snapshot
 
 
 class Match:

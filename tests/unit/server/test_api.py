@@ -3,13 +3,14 @@
 import hashlib
 import json
 import threading
+from typing import Any
 
 import pytest
 
-from server.app import create_app
-from server.battle import Battle
-from server.referee import Referee, Rules
+from server.game.loop import GameLoop
+from server.game.referee import Referee, Rules
 from server.settings import Settings
+from server.web.app import create_app
 from tests.support.polling import until
 
 POST_ROUTES = ("/signUpUser", "/signOutUser", "/updateGameStatus", "/getAvailableRobots", "/playerReady", "/incAlive")
@@ -18,11 +19,11 @@ POST_ROUTES = ("/signUpUser", "/signOutUser", "/updateGameStatus", "/getAvailabl
 class Site:
     """The application over a real battle with robots 0 to 2; every browser has its own cookies."""
 
-    def __init__(self, robots: int = 3, **rules: float) -> None:
-        self.battle = Battle(Referee(Rules(**rules)))
+    def __init__(self, robots: int = 3, **rules: Any) -> None:
+        self.battle = GameLoop(Referee(Rules(**rules)))
         for _ in range(robots):
             self.battle.add_robot("/unnamed")
-        self.app = create_app(self.battle, Settings())
+        self.app = create_app(self.battle, Settings.from_env({}))
 
     def browser(self):
         return self.app.test_client()
@@ -384,10 +385,10 @@ def test_the_own_page_is_not_another_site(browser):
 
 def test_any_request_with_the_session_is_a_sign_of_life():
     now = [100.0]
-    battle = Battle(Referee(Rules(robot_timeout=1000.0)), clock=lambda: now[0])
+    battle = GameLoop(Referee(Rules(robot_timeout=1000.0)), clock=lambda: now[0])
     battle.add_robot("/a")
-    browser = create_app(battle, Settings()).test_client()
-    stranger = create_app(battle, Settings()).test_client()
+    browser = create_app(battle, Settings.from_env({})).test_client()
+    stranger = create_app(battle, Settings.from_env({})).test_client()
     browser.post("/signUpUser", data={"data": "al"})
     for _ in range(4):
         now[0] += 10

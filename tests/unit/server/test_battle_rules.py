@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.referee import Rules
+from server.game.referee import Rules
 
 
 def test_a_hit_costs_ten_of_hundred_and_never_goes_below_zero(new_match):

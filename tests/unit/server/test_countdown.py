@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.referee import Verdict
+from server.game.referee import Verdict
 
 
 def test_two_ready_players_start_a_countdown_of_15_seconds(match):
@@ -90,7 +90,7 @@ def test_countdown_stops_at_once_when_fewer_than_two_are_ready(match):
     match.ready("bob", ready=False)
     assert match.state.game == 0
     assert match.state.time_left == 0
-    assert "bob is not ready any more" in match.state.notice
+    assert "bob is no longer ready" in match.state.notice
     assert match.player("ada").ready
     match.wait(20)
     assert match.state.game == 0

@@ -4,15 +4,15 @@ import logging
 
 import pytest
 
-from server.app import create_app
-from server.battle import Battle
-from server.referee import Referee, Rules
+from server.game.loop import GameLoop
+from server.game.referee import Referee, Rules
 from server.settings import Settings
+from server.web.app import create_app
 
 
 @pytest.fixture
 def app():
-    return create_app(Battle(Referee(Rules())), Settings(rosbridge_port=9123))
+    return create_app(GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": "9123"}))
 
 
 @pytest.fixture
@@ -35,7 +35,11 @@ def test_home_tells_where_rosbridge_is(browser):
 
 
 def test_home_shows_the_arena_where_there_is_a_view_of_it(browser):
-    with_view = create_app(Battle(Referee(Rules())), Settings(view_port=8123)).test_client().get("/home")
+    with_view = (
+        create_app(GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_VIEW_PORT": "8123"}))
+        .test_client()
+        .get("/home")
+    )
     assert '<meta name="view-port" content="8123">' in with_view.text
     assert "frame-src *:8123" in with_view.headers["Content-Security-Policy"]
     without = browser.get("/home")

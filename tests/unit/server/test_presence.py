@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.referee import Verdict
+from server.game.referee import Verdict
 
 
 def sign_up(match, name, session="s", old_session=None):

@@ -2,7 +2,8 @@
 
 import pytest
 
-from server.robot import IDS, Robots
+from laser_bot_battle.names import ROBOT_IDS
+from server.game.robot import Robot, Robots
 
 
 def register(robots, *callers):
@@ -10,9 +11,15 @@ def register(robots, *callers):
     return [robot and robot.id for robot in added]
 
 
+def the(robots, robot_id) -> Robot:
+    robot = robots.get_robot(robot_id)
+    assert robot is not None
+    return robot
+
+
 def remove(robots, *ids):
     for robot_id in ids:
-        robots.del_robot(robots.get_robot(robot_id))
+        robots.del_robot(the(robots, robot_id))
 
 
 def test_ids_start_at_zero_and_the_lowest_free_one_is_given():
@@ -38,8 +45,9 @@ def test_strangers_do_not_get_the_id_of_an_absent_named_robot():
 def test_registering_again_while_listed_is_the_same_robot():
     robots = Robots()
     register(robots, "/a")
-    robots.get_robot(0).user = "ada"
+    the(robots, 0).user = "ada"
     again = robots.add_robot("/a", 7.0)
+    assert again is not None
     assert (again.id, again.user, again.alive_at) == (0, "ada", 7.0)
     assert len(list(robots)) == 1
 
@@ -68,7 +76,7 @@ def test_a_roster_that_gives_one_id_twice_still_gives_unique_ids():
 
 def test_the_129th_robot_gets_no_id():
     robots = Robots()
-    assert register(robots, *(f"/r{number}" for number in IDS)) == list(range(128))
+    assert register(robots, *(f"/r{number}" for number in ROBOT_IDS)) == list(range(128))
     assert register(robots, "/one_more", "/unnamed") == [None, None]
     assert register(robots, "/r5") == [5]
 
@@ -83,8 +91,8 @@ def test_a_kept_id_is_given_away_when_there_is_no_other():
 def test_available_robots_are_those_without_user_lowest_first():
     robots = Robots()
     register(robots, "/a", "/b", "/c")
-    robots.get_robot(0).user = "ada"
-    assert robots.get_available_robot().id == 1
+    the(robots, 0).user = "ada"
+    assert robots.get_available_robot() is the(robots, 1)
     assert robots.get_available_robots_n() == 2
     for robot in robots:
         robot.user = "x"

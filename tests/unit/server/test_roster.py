@@ -4,7 +4,9 @@ import json
 
 import pytest
 
-from server.roster import Roster, parse_fixed
+from server.store.roster import Roster
+
+FIXED = {"/id_service_client_pi": 1, "/id_service_client_pi_2": 2}
 
 
 def test_what_is_saved_is_loaded_and_the_folder_is_made(tmp_path):
@@ -80,32 +82,16 @@ def test_what_the_operator_fixed_goes_before_the_file(tmp_path):
     assert Roster(tmp_path, {"/b": 7, "/new": 2}).load() == {"/a": 0, "/b": 7, "/new": 2}
 
 
-def test_fixed_ids_are_words_of_name_and_id():
-    assert parse_fixed("") == {}
-    assert parse_fixed(" raspberrypi1=1, virtual-0=0\n") == {
-        "/id_service_client_raspberrypi1": 1,
-        "/id_service_client_virtual_0": 0,
-    }
-
-
-@pytest.mark.parametrize(
-    "text", ["a", "a=", "=1", "a=128", "a=-1", "a=1.5", "a=1 a=2", "a=1 b=1", "a-b=1 a_b=2", "a=x"]
-)
-def test_a_wrong_fixed_id_is_named(text):
-    with pytest.raises(ValueError, match=r"is not name=ID|twice"):
-        parse_fixed(text)
-
-
-def test_a_default_name_of_a_fixed_robot_is_doubted_once(tmp_path, caplog):
-    roster = Roster(tmp_path, parse_fixed("pi=1 pi_2=2"))
+def test_a_default_name_of_a_fixed_robot_is_warned_of_once(tmp_path, caplog):
+    roster = Roster(tmp_path, FIXED)
     for _ in range(2):
-        roster.doubt("/id_service_client_pi_2_b8_27_eb_00_00_01")
+        roster.warn_of_lookalike("/id_service_client_pi_2_b8_27_eb_00_00_01")
     (record,) = caplog.records
     assert record.levelname == "WARNING"
     assert "pi_2_b8_27_eb_00_00_01 is not the pi_2 of LASERBOT_ROSTER" in record.message
 
 
 @pytest.mark.parametrize("name", ["pi", "pi_2", "pi3", "p"])
-def test_other_names_are_not_doubted(tmp_path, caplog, name):
-    Roster(tmp_path, parse_fixed("pi=1 pi_2=2")).doubt(f"/id_service_client_{name}")
+def test_other_names_are_not_warned_of(tmp_path, caplog, name):
+    Roster(tmp_path, FIXED).warn_of_lookalike(f"/id_service_client_{name}")
     assert not caplog.records

@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.users import User, Users, is_valid_name
+from server.game.users import User, Users, is_valid_name
 
 
 @pytest.mark.parametrize("name", ["a", "Z", "_", "0", "a_B_9", "x" * 16])

@@ -62,7 +62,7 @@ class Duel:
     def pose(self, number: int) -> Pose:
         return self.world.robots[f"virtual{number}"].pose
 
-    def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> float:
+    def run(self, seconds: float, until: Callable[..., bool] = lambda: False) -> float:
         """Let time pass; returns the time at which `until` became true, or the time after `seconds`."""
         end = self.now + seconds
         while self.now < end and not until():

@@ -2,10 +2,11 @@
 
 import pytest
 
+from laser_bot_battle.msg import GameStatus
+from laser_bot_battle.settings import SettingsError
 from sim.bot import wants_ready
-from sim.bot_game import Player, Status
+from sim.bot_game import PLAYING, Player, Status
 from sim.bot_settings import Settings, following
-from sim.environment import SettingsError
 
 
 def status(game: int, **ready: bool) -> Status:
@@ -26,7 +27,8 @@ def test_it_is_not_ready_without_a_ready_human(players: dict[str, bool]) -> None
 
 def test_a_status_is_read_from_rosbridge() -> None:
     user = {"name": "Ann", "robot": 3, "life": 90, "ready": True, "avatar": 0, "place": 0, "left": False, "session": ""}
-    assert Status.from_message({"game": 2, "users": [user], "result": []}) == Status(2, (Player("Ann", 3, 90, True),))
+    message = {"game": GameStatus.PLAYING, "users": [user], "result": []}
+    assert Status.from_message(message) == Status(PLAYING, (Player("Ann", 3, 90, True),))
 
 
 def test_taken_names_are_counted_on() -> None:
@@ -53,6 +55,8 @@ def test_rosbridge_and_the_arena_may_be_elsewhere() -> None:
         ({"LASERBOT_WEB_PORT": "http"}, {}),
         ({"LASERBOT_ROSBRIDGE_PORT": "65536"}, {}),
         ({"LASERBOT_LOG_LEVEL": "loud"}, {}),
+        ({"LASERBOT_LOG_LEVEL": "critical"}, {}),
+        ({"LASERBOT_LOG_LEVEL": "notset"}, {}),
         ({}, {"name": "Ann"}),
         ({}, {"name": "Bot"}),
         ({}, {"name": "Botond"}),

@@ -1,4 +1,4 @@
-// The device's side of the rosserial link: negotiation of the topics, time sync, one published and one subscribed
+// The device's side of the rosserial connection: negotiation of the topics, time sync, one published and one subscribed
 // topic.
 #pragma once
 
@@ -29,7 +29,7 @@ class Client {
   void spin(uint32_t now);
 
   // Publishes one std_msgs/Empty. It waits for room in the UART if need be. Without a host that knows the topic it is
-  // dropped: a hit from before the link came up would count in a battle that it does not belong to.
+  // dropped: a hit from before the connection came up would count in a battle that it does not belong to.
   void publish_empty();
 
   // Whether the host has asked for the topics and still answers.

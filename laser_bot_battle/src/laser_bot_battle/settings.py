@@ -1,0 +1,103 @@
+"""Declared settings: an environment variable's name, default, allowed values and meaning, in one place each."""
+
+import os
+import re
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+T = TypeVar("T")
+
+LOG_LEVELS = ("debug", "info", "warning", "error")
+
+
+class SettingsError(ValueError):
+    """A variable has an impossible value; the text names it and what is allowed."""
+
+
+@dataclass(frozen=True)
+class Variable(Generic[T]):
+    """One environment variable. `parse` raises ValueError that says what is allowed ("must be ...")."""
+
+    name: str
+    default: T
+    text: str  # what it is, in Markdown
+    parse: Callable[[str], T]
+    shown: str  # the default in words, in Markdown
+
+    def read(self, environ: Mapping[str, str], default: T | None = None) -> T:
+        """Its value; unset or empty means the default (`default` before the declared one). SettingsError."""
+        text = environ.get(self.name)
+        if not text or text.isspace():
+            return self.default if default is None else default
+        try:
+            return self.parse(text)
+        except ValueError as error:
+            raise SettingsError(f"{self.name}={text}: {error}") from None
+
+
+def whole(name: str, default: int, lowest: int, highest: int, text: str) -> Variable[int]:
+    return Variable(name, default, text, _whole(lowest, highest), str(default))
+
+
+def number(name: str, default: float, lowest: float, highest: float, text: str) -> Variable[float]:
+    def parse(given: str) -> float:
+        try:
+            value = float(given)
+        except ValueError:
+            value = float("nan")
+        if not lowest <= value <= highest:
+            raise ValueError(f"must be a number from {lowest:g} to {highest:g}")
+        return value
+
+    return Variable(name, default, text, parse, f"{default:g}")
+
+
+def port(name: str, default: int, text: str) -> Variable[int]:
+    return whole(name, default, 1, 65535, text)
+
+
+def optional_port(name: str, text: str, shown: str) -> Variable[int | None]:
+    return Variable(name, None, text, _whole(1, 65535), shown)
+
+
+def choice(name: str, default: str, allowed: tuple[str, ...], text: str) -> Variable[str]:
+    """One of `allowed`, in any case."""
+
+    def parse(given: str) -> str:
+        if given.lower() not in allowed:
+            raise ValueError(f"must be one of {', '.join(allowed)}")
+        return given.lower()
+
+    return Variable(name, default, f"{text}: {', '.join(f'`{word}`' for word in allowed)}", parse, f"`{default}`")
+
+
+def words(name: str, default: str, text: str, shown: str = "") -> Variable[str]:
+    """Any text."""
+    return Variable(name, default, text, str, shown or (f"`{default}`" if default else "none"))
+
+
+def describe(*variables: Variable[Any]) -> str:
+    """The variables for a program's `--help`, a line each."""
+    width = max(len(variable.name) for variable in variables)
+    lines = [f"  {variable.name:{width}}  {variable.text} (default: {variable.shown})" for variable in variables]
+    return "environment variables:\n" + re.sub(r"`|\[([^]]*)\]\([^)]*\)", r"\1", "\n".join(lines))
+
+
+def read_or_exit(program: str, read: Callable[[Mapping[str, str]], T]) -> T:
+    """`read` this process's environment; a wrong value ends the program with one line and exit code 2."""
+    try:
+        return read(os.environ)
+    except SettingsError as error:
+        print(f"{program}: {error}", file=sys.stderr)
+        raise SystemExit(2) from None
+
+
+def _whole(lowest: int, highest: int) -> Callable[[str], int]:
+    def parse(given: str) -> int:
+        if not (re.fullmatch(r"[0-9]{1,9}", given) and lowest <= int(given) <= highest):
+            raise ValueError(f"must be a whole number from {lowest} to {highest}")
+        return int(given)
+
+    return parse

@@ -1,0 +1,141 @@
+"""Every LASERBOT_ variable of the system, in the order in which people need them: docs/settings.md shows this list.
+
+    python3 -m laser_bot_battle.variables     prints its table
+
+"Not with compose" means that compose.yaml itself sets the variable, or that it makes no sense there.
+"""
+
+import re
+from pathlib import Path
+
+from laser_bot_battle.names import MASTER_HOST, ROBOT_IDS, ROS_PORT, ROSBRIDGE_PORT, WEB_PORT, client_name
+from laser_bot_battle.settings import (
+    LOG_LEVELS,
+    Variable,
+    choice,
+    number,
+    optional_port,
+    port,
+    whole,
+    words,
+)
+
+_HEADER_GPIOS = range(28)  # the others belong to the Raspberry Pi's own parts, such as its SD card
+
+
+def _roster(text: str) -> dict[str, int]:
+    """The IDs by the robots' ROS names, from `name=ID` words between spaces or commas."""
+    fixed: dict[str, int] = {}
+    for word in re.split(r"[\s,]+", text.strip()) if text.strip() else []:
+        name, _, robot_id = word.rpartition("=")
+        if not name or not re.fullmatch(r"[0-9]{1,3}", robot_id) or int(robot_id) not in ROBOT_IDS:
+            raise ValueError(f"{word!r} is not name=ID with an ID from 0 to {ROBOT_IDS[-1]}")
+        client = client_name(name)
+        if client in fixed or int(robot_id) in fixed.values():
+            raise ValueError(f"{word!r} repeats a name or an ID")
+        fixed[client] = int(robot_id)
+    return fixed
+
+
+def _gpio(text: str) -> int | None:
+    if text == "none":
+        return None
+    if not re.fullmatch(r"[0-9]{1,2}", text) or int(text) not in _HEADER_GPIOS:
+        raise ValueError(f"must be a GPIO from 0 to {_HEADER_GPIOS[-1]}, or none")
+    return int(text)
+
+
+def _devices(text: str) -> tuple[str, ...]:
+    return tuple(text.split())
+
+
+def _master_uri(text: str) -> str:
+    if not re.fullmatch(r"http://[^/:]+:[0-9]+/?", text):
+        raise ValueError("must be http://host:port")
+    return text
+
+
+BIND = words(
+    "LASERBOT_BIND",
+    "0.0.0.0",
+    "address on which the web server, rosbridge and the arena listen",
+    "`0.0.0.0` (demo: `127.0.0.1`)",
+)
+WEB = port("LASERBOT_WEB_PORT", WEB_PORT, "the game's pages")
+ROSBRIDGE = port("LASERBOT_ROSBRIDGE_PORT", ROSBRIDGE_PORT, "rosbridge's WebSocket")
+VIEW = optional_port(
+    "LASERBOT_VIEW_PORT",
+    "port on the master where the player's page finds a view of the arena to show",
+    "none (demo: the arena's)",
+)
+ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` starts; not with compose")
+ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
+ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
+HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
+COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
+BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends undecided")
+PLAYER_TIMEOUT = number(
+    "LASERBOT_PLAYER_TIMEOUT", 15, 1, 86400, "seconds without a sign of life until a player is signed out"
+)
+DATA: Variable[Path] = Variable(
+    "LASERBOT_DATA",
+    Path("~/.local/share/laserbot"),
+    "folder for `robots.json`: which robot has which ID; not with compose, which has a volume for it",
+    Path,
+    "`~/.local/share/laserbot`",
+)
+ROSTER: Variable[dict[str, int]] = Variable(
+    "LASERBOT_ROSTER",
+    {},
+    "robots with fixed IDs, by their `LASERBOT_ROBOT_NAME`: `raspberrypi1=1 raspberrypi2=2`; "
+    "any other robot gets the lowest free ID and keeps it",
+    _roster,
+    "none",
+)
+OPERATOR_TOKEN = words("LASERBOT_OPERATOR_TOKEN", "", "secret that lets a rosbridge client do everything")
+OPERATOR_TOKEN_FILE = words(
+    "LASERBOT_OPERATOR_TOKEN_FILE", "", "file that holds this secret, instead of the secret itself; not with compose"
+)
+MASTER = words("LASERBOT_MASTER", MASTER_HOST, "host name or address at which a robot or a bot finds the master")
+SERIAL: Variable[tuple[str, ...]] = Variable(
+    "LASERBOT_SERIAL",
+    ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0"),
+    "the Arduino: paths to try in this order, or a pyserial URL such as `socket://host:port`",
+    _devices,
+    "`/dev/laserbot /dev/ttyACM0 /dev/ttyUSB0`",
+)
+ROBOT_NAME = words("LASERBOT_ROBOT_NAME", "", "name by which the server knows a robot", "host name and MAC address")
+RETRY = number("LASERBOT_RETRY", 5, 0.1, 3600, "seconds between a robot's attempts to find its Arduino and the master")
+IMAGES = words("LASERBOT_IMAGES", "", "what compose puts before the images' names: `registry:port/`")
+VERSION = words("LASERBOT_VERSION", "", "the images' tag for compose", "this version")
+LED: Variable[int | None] = Variable(
+    "LASERBOT_LED",
+    18,
+    "GPIO of a robot's [status LED](lan.md#the-status-led), or `none`",
+    _gpio,
+    "18",
+)
+CAMERA = words("LASERBOT_CAMERA", "", "camera that compose gives to a robot: `/dev/video0`")
+GPIO = words("LASERBOT_GPIO", "", "GPIO device that compose gives to a robot: `/dev/gpiochip0`")
+GPIO_GROUP = words("LASERBOT_GPIO_GROUP", "", "number of the group that may use the GPIO: `getent group gpio`")
+ALIVE_FILE = words(
+    "LASERBOT_ALIVE_FILE", "", "file that a working program touches every second, for health checks; not with compose"
+)
+LOG_LEVEL = choice("LASERBOT_LOG_LEVEL", "info", LOG_LEVELS, "how much is logged")
+
+# ROS's own; a robot takes the default from its master's name
+ROS_MASTER_URI: Variable[str] = Variable(
+    "ROS_MASTER_URI", f"http://localhost:{ROS_PORT}", "the ROS master", _master_uri, f"port {ROS_PORT} of the master"
+)
+
+LASERBOT = tuple(v for v in list(globals().values()) if isinstance(v, Variable) and v.name.startswith("LASERBOT_"))
+
+
+def table() -> str:
+    """The Markdown table of all variables."""
+    rows = [f"| `{variable.name}` | {variable.shown} | {variable.text} |" for variable in LASERBOT]
+    return "\n".join(["| variable | default | what |", "|---|---|---|", *rows]) + "\n"
+
+
+if __name__ == "__main__":
+    print(table(), end="")

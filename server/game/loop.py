@@ -1,0 +1,152 @@
+"""The one owner of the game's state: the referee behind a lock, with a clock, and a thread that tells listeners."""
+
+import logging
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from server.game.referee import Referee, Verdict
+from server.game.snapshot import Player, Snapshot
+
+_log = logging.getLogger(__name__)
+
+_HEARTBEAT = 0.4  # s; listeners hear at least every 0.5 s, also on a busy machine
+# The thread looks at the clock at every heartbeat. When it has not for so much longer, the whole process stood still.
+_STALL = 1.0  # s
+
+Listener = Callable[[Snapshot], None]
+
+
+class GameLoop:
+    """Thread-safe. Events may come from any thread; they get the referee's answer at once.
+
+    Listeners are called from one thread of its own, without the lock, with every changed snapshot in order,
+    and with an unchanged one when nothing has happened for `_HEARTBEAT` seconds.
+    """
+
+    def __init__(self, referee: Referee, clock: Callable[[], float] = time.monotonic) -> None:
+        self._referee = referee
+        self._clock = clock
+        self._changed = threading.Condition()
+        self._looked_at = clock()
+        self._latest = referee.snapshot(self._looked_at)
+        self._undelivered: deque[Snapshot] = deque(maxlen=100)
+        self._listeners: list[Listener] = []
+        self._stopping = False
+        self._thread = threading.Thread(target=self._run, name="game loop", daemon=True)
+
+    def add_listener(self, listener: Listener) -> None:
+        """To be called before `start`."""
+        self._listeners.append(listener)
+
+    def start(self) -> None:
+        self._looked_at = self._clock()
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread; listeners are not called any more."""
+        with self._changed:
+            self._stopping = True
+            self._changed.notify()
+        if self._thread.is_alive():
+            self._thread.join()
+
+    # events, see the referee
+
+    def add_robot(self, caller: str) -> int | None:
+        with self._event() as now:
+            return self._referee.add_robot(caller, now)
+
+    def robot_alive(self, robot_id: int) -> bool:
+        with self._event() as now:
+            return self._referee.robot_alive(robot_id, now)
+
+    def hit(self, robot_id: int) -> bool:
+        with self._event() as now:
+            return self._referee.hit(robot_id, now)
+
+    def sign_up(
+        self, name: str, session: str, avatar: int, old_session: str | None = None, wanted: int | None = None
+    ) -> tuple[Verdict, Player | None]:
+        with self._event() as now:
+            return self._referee.sign_up(name, session, avatar, now, old_session=old_session, wanted=wanted)
+
+    def sign_out(self, name: str, session: str) -> Verdict:
+        with self._event() as now:
+            return self._referee.sign_out(name, session, now)
+
+    def set_ready(self, name: str, ready: bool, session: str) -> Verdict:
+        with self._event() as now:
+            return self._referee.set_ready(name, ready, session, now)
+
+    def seen(self, session: str) -> Player | None:
+        with self._event() as now:
+            return self._referee.seen(session, now)
+
+    def snapshot(self) -> Snapshot:
+        with self._changed:
+            return self._take_snapshot(self._now())
+
+    def known_robots(self) -> dict[str, int]:
+        """The ID of every named robot that has ever registered."""
+        with self._changed:
+            return self._referee.known_robots
+
+    @contextmanager
+    def _event(self) -> Iterator[float]:
+        with self._changed:
+            now = self._now()
+            yield now
+            self._take_snapshot(now)
+
+    def _now(self) -> float:
+        """The time. After a stall of this process, what the others did meanwhile is still in the sockets' queues."""
+        now = self._clock()
+        gap = now - self._looked_at
+        if self._thread.is_alive() and gap > _HEARTBEAT + _STALL:
+            self._referee.extend_deadlines(gap)
+        self._looked_at = now
+        return now
+
+    def _take_snapshot(self, now: float) -> Snapshot:
+        previous, self._latest = self._latest, self._referee.snapshot(now)
+        if self._latest != previous:
+            self._undelivered.append(self._latest)
+            self._changed.notify()
+        return self._latest
+
+    # the thread
+
+    def _run(self) -> None:
+        told_at = self._clock()
+        while True:
+            with self._changed:
+                if not self._undelivered and not self._stopping:
+                    self._changed.wait(self._seconds_until_next(told_at + _HEARTBEAT))
+                if self._stopping:
+                    return
+                now = self._now()
+                self._take_snapshot(now)
+                snapshots = list(self._undelivered)
+                self._undelivered.clear()
+                if not snapshots and now - told_at >= _HEARTBEAT:
+                    snapshots = [self._latest]
+                journal = self._referee.take_journal()
+            for line in journal:
+                _log.info(line)
+            for snapshot in snapshots:
+                self._tell(snapshot)
+                told_at = now
+
+    def _seconds_until_next(self, heartbeat: float) -> float:
+        deadline = self._referee.next_deadline()
+        return max(0.0, min(heartbeat, deadline if deadline is not None else heartbeat) - self._clock())
+
+    def _tell(self, snapshot: Snapshot) -> None:
+        for listener in self._listeners:
+            try:
+                listener(snapshot)
+            except Exception:
+                _log.exception("a listener of the game failed; the others are told")

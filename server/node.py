@@ -1,0 +1,151 @@
+"""The life of a program of the master: address, ROS master, node, work, end."""
+
+import argparse
+import logging
+import os
+import signal
+import socket
+import threading
+import time
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from typing import Any, Self
+
+import rospy
+
+from laser_bot_battle import variables
+from laser_bot_battle.log import configure_logging
+from laser_bot_battle.master import Master, MasterWatch
+from laser_bot_battle.settings import Variable, describe
+from server.ros.tcpros_guard import guard_handshakes
+
+_log = logging.getLogger(__name__)
+
+_END_WITHIN = 1.8  # s
+
+
+def parse_arguments(program: str, description: str, *variables: Variable[Any]) -> None:
+    """The command line of a program that has no options but `--help`; roslaunch adds ROS arguments to it."""
+    argparse.ArgumentParser(
+        prog=program,
+        description=description,
+        epilog=describe(*variables),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    ).parse_args(rospy.myargv()[1:])
+
+
+@dataclass(frozen=True)
+class NodeSettings:
+    """What every program of the master needs to live."""
+
+    bind: str
+    port: int
+    port_variable: str  # by which the port can be changed
+    master_uri: str
+    log_level: str
+
+    @classmethod
+    def from_env(cls, environ: Mapping[str, str], port: Variable[int]) -> Self:
+        """Read `environ`; `port` is the variable of the program's port. SettingsError for an impossible value."""
+        return cls(
+            bind=variables.BIND.read(environ),
+            port=port.read(environ),
+            port_variable=port.name,
+            master_uri=variables.ROS_MASTER_URI.read(environ),
+            log_level=variables.LOG_LEVEL.read(environ),
+        )
+
+
+class Node:
+    """The ROS node `name` while its program runs. A signal ends it with exit code 0, and `fail` with 1."""
+
+    def __init__(self, name: str, settings: NodeSettings) -> None:
+        self._name = name
+        self._settings = settings
+        self._exit_code = 0
+        self.ending = threading.Event()
+
+    def run(self, serve: Callable[[socket.socket], AbstractContextManager[None]]) -> int:
+        """Do the work `serve` until the end; returns the exit code. For the main thread.
+
+        The work gets a socket that has the port but does not listen yet: until all is ready, connections are refused.
+        """
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, lambda *_: self.ending.set())
+        bind, port = self._settings.bind, self._settings.port
+        try:
+            listener = _bind(bind, port)
+        except OSError as error:
+            _log.error(
+                "cannot listen on %s port %d: %s; stop the program that uses it, or set LASERBOT_BIND or %s",
+                bind,
+                port,
+                error.strerror or error,
+                self._settings.port_variable,
+            )
+            return 1
+        threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
+        with listener:
+            self._live(serve, listener)
+        return self._exit_code
+
+    def fail(self, reason: str) -> None:
+        """End the program so that its supervisor starts it again. From any thread."""
+        if not self.ending.is_set():
+            _log.error("%s: ending, to be started again", reason)
+            self._exit_code = 1
+            self.ending.set()
+
+    def start_thread(self, name: str, work: Callable[[], object]) -> threading.Thread:
+        """A thread without which the program cannot go on."""
+
+        def run() -> None:
+            try:
+                work()
+            except Exception:
+                _log.exception("%s failed", name)
+            self.fail(f"{name} has ended")
+
+        thread = threading.Thread(target=run, name=name, daemon=True)
+        thread.start()
+        return thread
+
+    def _live(self, serve: Callable[[socket.socket], AbstractContextManager[None]], listener: socket.socket) -> None:
+        master = Master(self._settings.master_uri, self._name)
+        if not master.wait(self.ending):
+            return
+        watch = MasterWatch(master, self.fail)
+        try:
+            watch.start()
+            guard_handshakes()
+            rospy.init_node(self._name, disable_signals=True, disable_rosout=True)
+            configure_logging(self._settings.log_level)
+            rospy.on_shutdown(lambda: self.fail("ROS has shut this node down"))
+            with serve(listener):
+                self.ending.wait()
+        except (OSError, rospy.ROSException) as error:
+            self.fail(str(error))
+        self.ending.set()
+        watch.stop()
+        rospy.signal_shutdown("the program ends")
+
+    def _end_in_time(self) -> None:
+        """rospy calls the master without any time-out: one that hangs must not hold us when we are to end."""
+        self.ending.wait()
+        time.sleep(_END_WITHIN)
+        os._exit(self._exit_code)
+
+
+def _bind(address: str, port: int) -> socket.socket:
+    family, kind, protocol, _, place = socket.getaddrinfo(
+        address, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+    )[0]
+    listener = socket.socket(family, kind, protocol)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(place)
+    except OSError:
+        listener.close()
+        raise
+    return listener

@@ -1,0 +1,54 @@
+"""The hits that robots report on `/Robot<ID>/response` (std_msgs/Empty). Needs an initialised node."""
+
+import logging
+import threading
+
+import rospy
+from std_msgs.msg import Empty
+
+from laser_bot_battle.names import response_topic
+from server.game.loop import GameLoop
+from server.game.snapshot import Snapshot
+
+_log = logging.getLogger(__name__)
+
+
+class Hits:
+    """Listens to exactly the robots that are registered.
+
+    Subscribing asks the ROS master, which may be slow: that is the work of a thread of its own, `run`.
+    """
+
+    def __init__(self, game: GameLoop) -> None:
+        self._game = game
+        self._subscribers: dict[int, rospy.Subscriber] = {}
+        self._present: tuple[int, ...] = ()
+        self._changed = threading.Event()
+        self._stopping = False
+
+    def follow(self, snapshot: Snapshot) -> None:
+        """A listener of the game; does not block."""
+        if snapshot.robots != self._present:
+            self._present = snapshot.robots
+            self._changed.set()
+
+    def run(self) -> None:
+        """Work until `stop`."""
+        while self._changed.wait() and not self._stopping:
+            self._changed.clear()
+            present = self._present
+            for robot_id in self._subscribers.keys() - present:
+                self._subscribers.pop(robot_id).unregister()
+            for robot_id in present:
+                if robot_id not in self._subscribers:
+                    self._subscribers[robot_id] = rospy.Subscriber(
+                        response_topic(robot_id), Empty, self._hit, robot_id, tcp_nodelay=True
+                    )
+
+    def stop(self) -> None:
+        self._stopping = True
+        self._changed.set()
+
+    def _hit(self, _: Empty, robot_id: int) -> None:
+        counted = self._game.hit(robot_id)
+        _log.debug("robot %d reports a hit%s", robot_id, "" if counted else ", which does not count")

@@ -1,0 +1,29 @@
+"""What every capability has in common."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+
+from server.rosbridge.context import Context
+from server.rosbridge.effects import Effect
+from server.rosbridge.wire import Request
+
+Handler = Callable[[Request, float], list[Effect]]  # (request, monotonic time in s); RequestError refuses the request
+
+
+class Capability(ABC):
+    """Operations that belong together, and what one client has open through them."""
+
+    def __init__(self, client: Context) -> None:
+        self.client = client
+
+    @abstractmethod
+    def handlers(self) -> Mapping[str, Handler]:
+        """The operations by name."""
+
+    def updated(self, now: float) -> list[Effect]:
+        """The battle has changed, or some time has passed."""
+        return []
+
+    def closed(self) -> list[Effect]:
+        """The client is gone: close what it had open."""
+        return []

@@ -1,0 +1,70 @@
+"""subscribe, unsubscribe (rosbridge protocol 3.2.4, 3.2.5)."""
+
+from collections.abc import Mapping
+
+from laser_bot_battle.names import GAME_STATUS
+from server.rosbridge.capabilities.capability import Capability, Handler
+from server.rosbridge.context import Context
+from server.rosbridge.effects import Effect
+from server.rosbridge.gate import STATUS_TYPE
+from server.rosbridge.subscription import Subscription
+from server.rosbridge.wire import Request, RequestError, brief
+
+MAX_TOPICS = 100
+MAX_REQUESTS = 100  # for one topic
+MAX_QUEUE_LENGTH = 1000
+
+
+class Subscribing(Capability):
+    def __init__(self, client: Context) -> None:
+        super().__init__(client)
+        self._subscriptions: dict[str, Subscription] = {}
+
+    def handlers(self) -> Mapping[str, Handler]:
+        return {"subscribe": self.subscribe, "unsubscribe": self.unsubscribe}
+
+    def subscribe(self, request: Request, _now: float) -> list[Effect]:
+        topic, type_name = request.ros_name("topic"), request.optional_text("type", "")
+        throttle, queue_length = request.number("throttle_rate", 0) / 1000, request.count("queue_length", 0)
+        compression = request.optional_text("compression", "none")
+        if compression != "none":
+            raise RequestError(f"compression {brief(compression)} is not supported, only none")
+        request.count("fragment_size", 0)
+        if reason := self.client.gate.refuses_subscribing(self.client.identity, topic, type_name):
+            raise RequestError(reason)
+        subscription = self._subscriptions.get(topic)
+        effects: list[Effect] = []
+        if subscription is None:
+            effects, subscription = self._open(topic, type_name, request.text("topic"))
+        elif subscription.requests >= MAX_REQUESTS:
+            raise RequestError(f"a client may subscribe {MAX_REQUESTS} times to {topic}")
+        subscription.add(request.id, throttle, min(queue_length, MAX_QUEUE_LENGTH))
+        return effects
+
+    def unsubscribe(self, request: Request, now: float) -> list[Effect]:
+        topic = request.ros_name("topic")
+        subscription = self._subscriptions.get(topic)
+        if subscription is None or (request.id is not None and not subscription.has(request.id)):
+            return self.client.report("warning", f"{topic} is not subscribed to under this id", now, request.id)
+        if request.id is not None and not subscription.remove(request.id):
+            return []
+        del self._subscriptions[topic]
+        return self.client.graph.unsubscribe(self.client, topic)
+
+    def closed(self) -> list[Effect]:
+        topics = list(self._subscriptions)
+        self._subscriptions.clear()
+        return [effect for topic in topics for effect in self.client.graph.unsubscribe(self.client, topic)]
+
+    def _open(self, topic: str, type_name: str, name: str) -> tuple[list[Effect], Subscription]:
+        if len(self._subscriptions) >= MAX_TOPICS:
+            raise RequestError(f"a client may subscribe to {MAX_TOPICS} topics")
+        message_type = self.client.graph.type_of(topic)
+        if type_name or topic == GAME_STATUS:
+            message_type = self.client.types.message(type_name or STATUS_TYPE)
+        if message_type is None:
+            raise RequestError(f"the type of {topic} is not known; give it in the field 'type'")
+        subscription = Subscription(self.client, name)
+        effects = self.client.graph.subscribe(topic, message_type, subscription)
+        self._subscriptions[topic] = subscription
+        return effects, subscription

@@ -1,0 +1,279 @@
+"""A whole battle on one machine: starts it, waits until all are ready, says where to play, stops it on Ctrl-C.
+
+roslaunch runs the parts of the battle (sim/launch/demo.launch). This program looks after what roslaunch does not: the
+ROS master (roslaunch would end with one that it started), ports in use, being ready, plain words for people, and that
+nothing is left behind.
+"""
+
+import argparse
+import ctypes
+import http.client
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import FrameType
+
+from laser_bot_battle.settings import Variable, describe, read_or_exit
+from laser_bot_battle.variables import ARENA, BIND, DATA, ROS, ROSBRIDGE, ROSTER, WEB
+from sim.arena.world import MAX_ROBOTS
+from sim.demo_settings import HOST, VARIABLES, Settings
+
+ROOT = Path(__file__).resolve().parent.parent
+READY_WITHIN = 90.0  # s; a slow machine needs 20
+STOP_WITHIN = 20.0  # s; roslaunch gives its nodes 15 s before it kills them
+
+PR_SET_PDEATHSIG = 1
+PR_SET_CHILD_SUBREAPER = 36
+
+
+class DemoError(Exception):
+    """The demo cannot go on; the message says why and what to do."""
+
+
+class Interrupted(Exception):  # noqa: N818 - not an error
+    """The user wants to stop (Ctrl-C, SIGTERM, closed terminal)."""
+
+
+def request(port: int, method: str, path: str, timeout: float = 1.0) -> tuple[int, str] | None:
+    """The status code and the body of the answer from HOST:port, None when nobody answers yet."""
+    connection = http.client.HTTPConnection(HOST, port, timeout=timeout)
+    try:
+        connection.request(method, path)
+        response = connection.getresponse()
+        return response.status, response.read().decode()
+    except (OSError, http.client.HTTPException):
+        return None
+    finally:
+        connection.close()
+
+
+class Demo:
+    """The running demo: the ROS master, roslaunch and all that it started."""
+
+    def __init__(self, robots: int, bots: int, settings: Settings, folder: Path) -> None:
+        """`folder` is empty."""
+        self.robots, self.bots, self.ports = robots, bots, settings.ports
+        for number in range(robots):
+            (folder / f"virtual{number}").mkdir()
+        self.environment = {
+            **os.environ,
+            BIND.name: settings.bind,
+            **{variable: str(port) for variable, port in settings.ports.items()},
+            DATA.name: str(folder / "data"),
+            # the number painted on each virtual robot is its ID
+            ROSTER.name: " ".join(f"virtual{number}={number}" for number in range(robots)),
+            "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ.get('PATH', os.defpath)}",
+            "ROS_PACKAGE_PATH": str(ROOT),
+            "ROS_IP": HOST,
+            "ROS_MASTER_URI": f"http://{HOST}:{settings.ports[ROS.name]}",
+            "ROS_HOME": str(folder / "ros"),
+            "ROS_LOG_DIR": str(folder / "ros" / "log"),
+            "PYTHONUNBUFFERED": "1",
+        }
+        self.environment.pop("ROS_HOSTNAME", None)
+        self.log = folder / "log"
+        self.master = self.start_master()
+        self.roslaunch = self.start(
+            "roslaunch",
+            "--wait",  # for the master
+            "--run_id=demo",  # else it waits for another roslaunch to name the run
+            str(ROOT / "sim" / "launch" / "demo.launch"),
+            f"robots:={robots}",
+            f"bots:={bots}",
+            f"run_dir:={folder}",
+        )
+
+    def start(self, program: str, *arguments: str) -> subprocess.Popen[bytes]:
+        """A program of ROS, which writes into our log."""
+        with self.log.open("ab") as log:
+            return subprocess.Popen(
+                ["/usr/bin/python3", f"/usr/bin/{program}", *arguments],
+                env=self.environment,
+                stdin=subprocess.DEVNULL,
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                # Ctrl-C reaches this program only, which then stops the rest in order
+                start_new_session=True,
+                preexec_fn=die_with_parent,  # noqa: PLW1509 - this program has one thread
+            )
+
+    def start_master(self) -> subprocess.Popen[bytes]:
+        return self.start("rosmaster", "--core", "-p", str(self.ports[ROS.name]))
+
+    def supervise(self) -> None:
+        """Start the master again if it has ended; the nodes find it. Raises DemoError when roslaunch has ended."""
+        if self.roslaunch.poll() is not None:
+            tail = self.log.read_text(errors="replace").splitlines()[-15:]
+            raise DemoError("\n  ".join([f"the demo has ended by itself. The end of {self.log}:", *tail]))
+        if self.master.poll() is not None:
+            say("The ROS master has ended: starting it again.")
+            self.master = self.start_master()
+
+    def steps(self) -> dict[str, Callable[[], bool]]:
+        """What must be ready before anyone can play, in the order in which it starts, each with its check."""
+        steps: dict[str, Callable[[], bool]] = {
+            "web server": lambda: self.answers(WEB, 200),
+            "rosbridge": lambda: self.answers(ROSBRIDGE, 426),  # to plain HTTP: Upgrade Required
+            "arena": lambda: self.answers(ARENA, 200),
+            counted(self.robots, "virtual robot"): lambda: self.registered_robots() >= self.robots,
+        }
+        if self.bots:
+            steps[counted(self.bots, "bot")] = lambda: self.players() >= self.bots
+        return steps
+
+    def answers(self, port: Variable[int], status: int) -> bool:
+        answer = request(self.ports[port.name], "GET", "/")
+        return answer is not None and answer[0] == status
+
+    def players(self) -> int:
+        """People and bots that are signed in."""
+        answer = request(self.ports[WEB.name], "POST", "/updateGameStatus")
+        return len(json.loads(json.loads(answer[1])["users"])) if answer else 0
+
+    def registered_robots(self) -> int:
+        answer = request(self.ports[WEB.name], "POST", "/getAvailableRobots")
+        return self.players() + (int(json.loads(answer[1])["availableR"]) if answer else 0)
+
+    def wait_until_ready(self) -> None:
+        """Say what is ready as soon as it is. Raises DemoError when something is not ready in time."""
+        deadline = time.monotonic() + READY_WITHIN
+        missing = self.steps()
+        while missing:
+            self.supervise()
+            for step in [step for step, is_up in missing.items() if is_up()]:
+                say(f"  ready: {step}")
+                del missing[step]
+            if missing and time.monotonic() > deadline:
+                raise DemoError(f"not ready after {READY_WITHIN:.0f} s: {', '.join(missing)}. {self.log} says more.")
+            time.sleep(0.1)
+
+    def wait(self) -> None:
+        """Supervise for ever. Raises DemoError when roslaunch has ended, which it should not."""
+        while True:
+            self.supervise()
+            time.sleep(0.5)
+
+    def stop(self) -> None:
+        """End roslaunch with its nodes, then the master, and make sure that no process is left."""
+        deadline = time.monotonic() + STOP_WITHIN
+        # not by Popen.wait(): the signal may have interrupted poll(), which then holds its lock for ever
+        for program, left in ((self.roslaunch, 1), (self.master, 0)):
+            program.send_signal(signal.SIGINT)
+            while len(children()) > left and time.monotonic() < deadline:
+                reap()
+                time.sleep(0.02)
+        for pid in children():
+            os.kill(pid, signal.SIGKILL)
+        while children():
+            reap()
+            time.sleep(0.02)
+
+
+def empty_folder(web_port: int) -> Path:
+    """A new folder for the files of this demo. Each web port has its own, so that two demos may run."""
+    folder = ROOT / "build" / f"demo-{web_port}"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    return folder
+
+
+def die_with_parent() -> None:
+    """In the child: have the kernel send SIGINT when this program dies, even by SIGKILL."""
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGINT)
+
+
+def children() -> list[int]:
+    """Direct children, those inherited from children that died among them (we are their subreaper)."""
+    return [int(pid) for pid in Path(f"/proc/self/task/{os.getpid()}/children").read_text().split()]
+
+
+def reap() -> None:
+    """Collect the exit codes of ended children."""
+    try:
+        while os.waitpid(-1, os.WNOHANG)[0]:
+            pass
+    except ChildProcessError:
+        pass
+
+
+def say(text: str) -> None:
+    print(text, flush=True)
+
+
+def counted(number: int, thing: str) -> str:
+    return f"{number} {thing}" + "s" * (number != 1)
+
+
+def who_can_play(people: int) -> str:
+    """What to do for more players, when that many robots are left to people."""
+    if people == 0:
+        return "Bots drive all robots: watch them, or start with BOTS=0 to play."
+    if people == 1:
+        return "One person can play. For two: more ROBOTS or BOTS=0, and another browser or a private window."
+    return f"{people} people can play, each in another browser or a private window."
+
+
+def count(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and int(text) <= MAX_ROBOTS):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 to {MAX_ROBOTS}")
+    return int(text)
+
+
+def on_signal(signum: int, frame: FrameType | None) -> None:
+    raise Interrupted
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(
+        "ci/demo",
+        description="A whole battle on this machine, until Ctrl-C.",
+        epilog=describe(*VARIABLES),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--robots", type=count, default=2, help="virtual robots with the real firmware (default 2)")
+    parser.add_argument("--bots", type=count, default=1, help="robots that a program plays (default 1)")
+    options = parser.parse_args()
+    if options.bots > options.robots:
+        parser.error(
+            f"{counted(options.bots, 'bot')} cannot play with {counted(options.robots, 'robot')}: start more robots"
+        )
+    settings = read_or_exit("make demo", Settings.from_env)
+    for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(signum, on_signal)
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
+    demo = None
+    try:
+        folder = empty_folder(settings.ports[WEB.name])
+        say(f"Starting the battle: {counted(options.robots, 'virtual robot')}, {counted(options.bots, 'bot')} ...")
+        demo = Demo(options.robots, options.bots, settings, folder)
+        demo.wait_until_ready()
+        say(
+            f"\nReady. Open\n"
+            f"  http://localhost:{settings.ports[WEB.name]}   the game\n"
+            f"  http://localhost:{settings.ports[ARENA.name]}   the arena seen from above\n"
+            f"{who_can_play(options.robots - options.bots)}\n"
+            f"Ctrl-C stops everything. The log: {demo.log}"
+        )
+        demo.wait()
+    except Interrupted:
+        say("\nStopping ...")
+    except DemoError as error:
+        print(f"make demo: {error}", file=sys.stderr)
+        return 1
+    finally:
+        for signum in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+            signal.signal(signum, signal.SIG_IGN)
+        if demo:
+            demo.stop()
+    say("Stopped.")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

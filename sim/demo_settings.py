@@ -1,0 +1,58 @@
+"""The demo's settings: the address and the ports of its parts. All other variables are for the parts themselves."""
+
+import socket
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from laser_bot_battle.settings import SettingsError, Variable
+from laser_bot_battle.variables import ARENA, ARENA_LINK, BIND, LASERBOT, ROS, ROSBRIDGE, WEB
+
+HOST = "127.0.0.1"  # where the parts meet
+PORTS = {
+    WEB: "the game",
+    ROSBRIDGE: "rosbridge",
+    ROS: "the ROS master",
+    ARENA: "the arena's view",
+    ARENA_LINK: "the robots' link to the arena",
+}
+VARIABLES: tuple[Variable[Any], ...] = (BIND, *PORTS)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Where the parts listen: the address, and the port of each by its variable's name."""
+
+    bind: str
+    ports: Mapping[str, int]
+
+    @classmethod
+    def from_env(cls, env: Mapping[str, str]) -> "Settings":
+        """SettingsError for a value that the demo or one of its parts would refuse, or a port that is in use."""
+        for variable in LASERBOT:
+            variable.read(env)
+        bind = BIND.read(env, default=HOST)
+        if bind not in (HOST, "0.0.0.0"):
+            raise SettingsError(f"{BIND.name}={bind}: choose {HOST} (this machine only) or 0.0.0.0 (the network too)")
+        ports: dict[str, int] = {}
+        for variable in PORTS:
+            port = variable.read(env)
+            for other, taken in ports.items():
+                if port == taken:
+                    raise SettingsError(f"{other} and {variable.name} are both {port}: choose two ports")
+            ports[variable.name] = port
+        for variable, what in PORTS.items():
+            _check_free(bind, ports[variable.name], variable.name, what)
+        return cls(bind, ports)
+
+
+def _check_free(bind: str, port: int, variable: str, what: str) -> None:
+    with socket.socket() as probe:
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((bind, port))
+        except OSError as error:
+            raise SettingsError(
+                f"port {port} ({what}) cannot be used: {error.strerror}. "
+                f"Stop the program that uses it, or choose another port: {variable}={port + 1} make demo"
+            ) from None

@@ -1,0 +1,77 @@
+"""ansible/README.md says what the roles do."""
+
+import json
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import yaml
+
+from tests.support.documents import blocks
+from tests.support.programs import ROOT
+
+ANSIBLE = ROOT / "ansible"
+README = (ANSIBLE / "README.md").read_text()
+
+
+def test_every_knob_is_in_the_table_and_in_the_example_and_no_other() -> None:
+    knobs = {
+        knob
+        for defaults in ANSIBLE.glob("roles/*/defaults/main.yml")
+        for knob in re.findall(r"^(\w+):", defaults.read_text(), re.MULTILINE)
+    }
+    assert set(re.findall(r"^\| `([a-z]+_\w+)` \|", README, re.MULTILINE)) == knobs
+    example = "".join(file.read_text() for file in (ANSIBLE / "inventory/example/group_vars/all").iterdir())
+    assert set(re.findall(r"^(?:# )?((?!ansible_)[a-z]+_\w+):", example, re.MULTILINE)) == knobs
+
+
+def test_every_playbook_is_in_the_table_and_no_other() -> None:
+    assert set(re.findall(r"^\| `(\w+\.yml)` \|", README, re.MULTILINE)) == {
+        path.name for path in ANSIBLE.glob("*.yml")
+    }
+
+
+def test_its_steps_make_an_inventory(tmp_path: Path) -> None:
+    """The commands of step 4, as they stand there: what comes out is a fleet whose secrets are encrypted."""
+    shutil.copytree(ANSIBLE, tmp_path / "ansible")
+    (steps,) = [block for block in blocks(README, "sh") if "inventory/example" in block]
+    (encrypt,) = re.findall(r"`(ansible-vault encrypt .*?)`", README)
+    (tmp_path / "password").write_text("of the vault\n")
+    environment = {
+        **os.environ,
+        "PATH": f"{ROOT / '.venv/bin'}:{os.environ['PATH']}",
+        "ANSIBLE_VAULT_PASSWORD_FILE": str(tmp_path / "password"),
+    }
+    script = f"{steps}\n{encrypt} >/dev/null 2>&1\nansible-inventory -i inventory/mine --list"
+    made = subprocess.run(
+        ["sh", "-ec", script], cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    assert made.returncode == 0, made.stderr
+    known = json.loads(made.stdout[made.stdout.index("{") :])
+    assert len(known["master"]["hosts"]) == 1
+    assert len(known["robots"]["hosts"]) >= 2
+    secrets = known["_meta"]["hostvars"][known["master"]["hosts"][0]]
+    assert {"fleet_registry_password", "fleet_operator_token"} <= secrets.keys()
+    vault = tmp_path / "ansible/inventory/mine/group_vars/all/vault.yml"
+    assert vault.read_text().startswith("$ANSIBLE_VAULT")
+
+
+def test_no_secret_has_a_default() -> None:
+    """Neither in the roles nor in the example: an operator who forgets to choose one is told so."""
+    places = [ANSIBLE / "roles/fleet/defaults/main.yml", ANSIBLE / "inventory/example/group_vars/all/vault.example.yml"]
+    for place in places:
+        values = yaml.safe_load(place.read_text())
+        assert (values["fleet_registry_password"], values["fleet_operator_token"]) == ("", ""), place
+
+
+def test_the_firewall_by_hand_closes_the_ports_of_the_fleets() -> None:
+    fleets = (ANSIBLE / "roles/firewall/templates/firewall.nft.j2").read_text()
+    (ros_nodes,) = re.findall(r"ros_nodes = '(.*)'", fleets)
+    (ros_master,) = re.findall(
+        r"^fleet_ros_port: (.*)$", (ANSIBLE / "roles/fleet/vars/main.yml").read_text(), re.MULTILINE
+    )
+    for document in ("docs/lan.md", "k3s/README.md"):
+        (rule,) = re.findall(r"^ +iifname .* drop$", (ROOT / document).read_text(), re.MULTILINE)
+        assert f"tcp dport {{ {ros_master}, {ros_nodes} }} ip saddr != " in rule

@@ -1,0 +1,38 @@
+"""Imports within the programs go one way: no module imports itself by way of others, nor hides that from Python."""
+
+import ast
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+
+from tests.support.programs import ROOT
+
+
+def modules() -> dict[str, ast.Module]:
+    """The syntax trees of all modules by name."""
+    trees = {}
+    for source, room in ((ROOT, "server"), (ROOT, "robot"), (ROOT, "sim"), (ROOT / "laser_bot_battle/src", "")):
+        for path in (source / room).rglob("*.py"):
+            name = ".".join(path.relative_to(source).with_suffix("").parts).removesuffix(".__init__")
+            trees[name] = ast.parse(path.read_text(), path)
+    return trees
+
+
+def imports(tree: ast.Module) -> Iterator[str]:
+    """The names that a module imports: of modules, and of what is in them."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert not node.level, "write absolute imports"
+            yield str(node.module)
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def test_no_module_imports_itself_by_way_of_others() -> None:
+    trees = modules()
+    assert len(trees) > 50
+    TopologicalSorter({name: set(imports(tree)) & trees.keys() for name, tree in trees.items()}).prepare()
+
+
+def test_no_import_is_for_the_type_checker_only() -> None:
+    assert not [name for name, tree in modules().items() if "typing.TYPE_CHECKING" in imports(tree)]

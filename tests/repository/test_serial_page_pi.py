@@ -1,0 +1,71 @@
+"""docs/protocol-serial.md against the Pi's side of the serial line."""
+
+import pytest
+
+from laser_bot_battle.msg import Robot_msg
+from robot.device_topics import serialised
+from robot.rosserial import host
+from robot.rosserial.frame import Decoder, Frame, encode
+from robot.rosserial.host import DevicePublishes, DeviceSubscribes, Event, Host, Message, Send
+from robot.serial_port import BAUDRATE
+from tests.support.documents import Row, page, table, value_of
+
+PAGE = page("protocol-serial.md")
+CONVERSATION = table(PAGE, "Conversation")
+COMMANDS = table(PAGE, "Commands")
+WALL = 1_700_000_000.25  # s since 1970, as on the page
+
+
+def data(row: Row) -> bytes:
+    return bytes.fromhex(row["bytes"])
+
+
+def the_frame(row: Row) -> Frame:
+    (frame,) = Decoder().feed(data(row), 0.0)
+    return frame
+
+
+def test_the_speed_is_told() -> None:
+    assert f"at {BAUDRATE} baud" in PAGE
+
+
+@pytest.mark.parametrize("row", CONVERSATION + COMMANDS, ids=lambda row: row["what"])
+def test_the_bytes_are_one_frame(row: Row) -> None:
+    frame = the_frame(row)
+    assert encode(frame.topic_id, frame.payload) == data(row)
+
+
+@pytest.mark.parametrize("row", COMMANDS, ids=lambda row: row["what"])
+def test_the_bytes_of_a_command_are_its_message(row: Row) -> None:
+    message = Robot_msg(int(row["linear_x"]), int(row["angular_z"]), row["shoot"] == "true")
+    assert the_frame(row) == Frame(100, serialised(message))
+
+
+def test_the_conversation_is_held_by_the_pi() -> None:
+    """What the Pi says is what the page says, at the page's places; what the Arduino says is understood."""
+    pi = Host(0.0)
+    said = [event.data for event in pi.tick(0.0, WALL) if isinstance(event, Send)]
+    heard: list[Event] = []
+    for row in CONVERSATION:
+        if row["from"] == "Arduino":
+            events = pi.receive(data(row), 0.0, WALL)
+            said += [event.data for event in events if isinstance(event, Send)]
+            heard += [event for event in events if not isinstance(event, Send)]
+    assert [*said, host.STOP_SENDING] == [data(row) for row in CONVERSATION if row["from"] == "Pi"]
+    publishes, subscribes, hit = heard
+    assert isinstance(publishes, DevicePublishes)
+    assert isinstance(subscribes, DeviceSubscribes)
+    assert hit == Message(publishes.info.topic_id, b"")
+
+
+def test_the_topic_ids_are_the_protocols() -> None:
+    ids = {int(row["id"]) for row in table(PAGE, "Topic ids")}
+    reserved = {host.PUBLISHER, host.SUBSCRIBER, host.PARAMETER, host.LOG, host.TIME, host.TX_STOP}
+    told = {the_frame(row).topic_id for row in CONVERSATION + COMMANDS}
+    assert ids == reserved | {100, 125}
+    assert told <= ids
+
+
+@pytest.mark.parametrize("row", table(PAGE, "Times"), ids=lambda row: row["where"])
+def test_times_are_those_of_the_code(row: Row) -> None:
+    assert float(row["value"].split()[0]) == value_of(row["where"])

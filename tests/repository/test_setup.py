@@ -1,0 +1,79 @@
+"""`ci/setup` on a machine that lacks something: one clear line that says what to do."""
+
+import os
+import shutil
+import subprocess
+from collections.abc import Mapping
+from pathlib import Path
+
+import pytest
+
+from tests.support.programs import ROOT
+
+BUILT = shutil.ignore_patterns("build", ".venv", "node_modules", ".git", "__pycache__", ".*_cache", "bundle")
+
+
+@pytest.fixture
+def clone(tmp_path: Path) -> Path:
+    """This project in a new folder, nothing built."""
+    return Path(shutil.copytree(ROOT, tmp_path / "clone with space", ignore=BUILT))
+
+
+def setup(clone: Path, variables: Mapping[str, str]) -> tuple[int, str]:
+    run = subprocess.run(
+        [clone / "ci" / "setup", "run"],
+        env={**os.environ, **variables},
+        stdin=subprocess.DEVNULL,
+        capture_output=True,
+        text=True,
+        timeout=120,
+        check=False,
+    )
+    return run.returncode, run.stderr.strip().splitlines()[-1] if run.stderr.strip() else ""
+
+
+OFFLINE = {
+    "PIP_CONFIG_FILE": os.devnull,
+    "PIP_INDEX_URL": "http://127.0.0.1:9/",
+    "PIP_EXTRA_INDEX_URL": "",
+    "PIP_FIND_LINKS": "",
+    "PIP_RETRIES": "0",
+    "PIP_NO_CACHE_DIR": "1",
+}
+NO_NETWORK = "Setup stopped: the Python packages could not be installed (is the network up?)"
+
+
+@pytest.mark.slow
+def test_without_network_it_says_so_and_goes_on_next_time(clone: Path) -> None:
+    for _ in range(2):  # what is half done the first time must not pass as done the second time
+        code, line = setup(clone, OFFLINE)
+        assert (code, line) == (1, NO_NETWORK)
+
+
+@pytest.mark.slow
+def test_a_virtual_environment_that_was_left_half_made_is_made_anew(clone: Path) -> None:
+    subprocess.run(["/usr/bin/python3", "-m", "venv", "--without-pip", clone / ".venv"], check=True)
+    assert setup(clone, OFFLINE) == (1, NO_NETWORK)
+    assert (clone / ".venv" / "bin" / "pip").exists()
+
+
+def test_on_another_system_than_debian_it_names_what_is_needed(clone: Path, tmp_path: Path) -> None:
+    tools = tmp_path / "bin"
+    tools.mkdir()
+    for tool in ("sh", "dirname", "mkdir", "sed", "grep", "cat", "cksum"):
+        (tools / tool).symlink_to(shutil.which(tool) or pytest.fail(f"{tool} is missing"))
+    code, line = setup(clone, {"PATH": str(tools)})
+    assert code == 1
+    assert line.startswith("Setup stopped: this is not Debian. Debian 12 or 13 is needed, with: python3-venv")
+
+
+def test_a_user_without_sudo_is_told_what_root_has_to_do(clone: Path, tmp_path: Path) -> None:
+    tools = tmp_path / "bin"
+    tools.mkdir()
+    for tool in ("sh", "dirname", "mkdir", "sed", "grep", "cat", "cksum", "apt-get"):
+        (tools / tool).symlink_to(shutil.which(tool) or pytest.fail(f"{tool} is missing"))
+    (tools / "id").write_text("#!/bin/sh\necho 1000\n")
+    (tools / "id").chmod(0o755)
+    code, line = setup(clone, {"PATH": str(tools)})
+    assert code == 1
+    assert line.startswith("Setup stopped: packages are missing. As root: apt-get install --no-install-recommends")

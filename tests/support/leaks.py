@@ -1,0 +1,62 @@
+"""What a test can leave behind: threads, processes, listening ports, temporary files."""
+
+import contextlib
+import ctypes
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import psutil
+
+from tests.support.polling import until
+
+PR_SET_CHILD_SUBREAPER = 36
+
+
+def adopt_orphans() -> None:
+    """What outlives its parent becomes a child of this process, so that it is seen."""
+    ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1)
+
+
+@contextlib.contextmanager
+def nothing_left(folder: Path, seconds: float = 5.0) -> Iterator[None]:
+    """AssertionError that names what is there after the `with` and was not before, given time to end.
+
+    Looks at this process and at the temporary files in `folder`.
+    """
+    before = present(folder)
+    yield
+    left: set[str] = set()
+
+    def gone() -> bool:
+        left.clear()
+        left.update(present(folder) - before)
+        return not left
+
+    with contextlib.suppress(AssertionError):
+        until(gone, seconds)
+    assert not left, f"left behind: {', '.join(sorted(left))}"
+
+
+def present(folder: Path) -> set[str]:
+    threads = {f"thread {thread.name}" for thread in threading.enumerate()}
+    listening = {
+        f"port {connection.laddr.port}"
+        for connection in psutil.Process().net_connections("tcp")
+        if connection.status == psutil.CONN_LISTEN
+    }
+    return threads | listening | children() | {f"file {path}" for path in folder.iterdir()}
+
+
+def children() -> set[str]:
+    """The running processes below this one. The kernel's own list: psutil's asks every process of the machine."""
+    found = set()
+    for path in Path("/proc/self/task").glob("*/children"):
+        for pid in path.read_text().split():
+            with contextlib.suppress(psutil.Error):
+                process = psutil.Process(int(pid))
+                command = " ".join(process.cmdline())
+                # ssh keeps a connection for the next play, and ends it
+                if process.status() != psutil.STATUS_ZOMBIE and "[mux]" not in command:
+                    found.add(f"process {pid}: {command}")
+    return found

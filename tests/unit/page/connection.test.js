@@ -1,0 +1,124 @@
+import assert from "node:assert/strict";
+import { once } from "node:events";
+import { afterEach, beforeEach, test } from "node:test";
+import { WebSocketServer } from "ws";
+import { NEUTRAL } from "../../../server/static/js/keys.js";
+import { Connection } from "../../../server/static/js/connection.js";
+import { message } from "./samples.js";
+
+const FORWARD = { linear_x: 1, angular_z: 0, shoot: false };
+
+let server, port, heard, statuses, changes, connection;
+
+/** A rosbridge that keeps what it hears and answers a subscription with one state. */
+async function listen() {
+  server = new WebSocketServer({ host: "127.0.0.1", port: port ?? 0 });
+  server.on("connection", (socket) =>
+    socket.on("message", (data) => {
+      const operation = JSON.parse(data);
+      heard.push(operation);
+      if (operation.op !== "subscribe") return;
+      socket.send(JSON.stringify({ op: "publish", topic: operation.topic, msg: message({ battle: 3 }) }));
+    }),
+  );
+  await once(server, "listening");
+  port = server.address().port;
+}
+
+async function close() {
+  for (const socket of server.clients) socket.terminate();
+  await new Promise((resolve) => server.close(resolve));
+}
+
+async function until(condition, what) {
+  for (const deadline = Date.now() + 10_000; !condition(); ) {
+    assert.ok(Date.now() < deadline, `not in time: ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 5));
+  }
+}
+
+const operations = (op) => heard.filter((operation) => operation.op === op);
+
+beforeEach(async () => {
+  [port, heard, statuses, changes] = [undefined, [], [], []];
+  await listen();
+  connection = new Connection({
+    url: `ws://127.0.0.1:${port}`,
+    onStatus: (status) => statuses.push(status),
+    onChange: (up) => changes.push(up),
+  });
+  connection.start();
+  await until(() => statuses.length > 0, "the state");
+});
+
+afterEach(async () => {
+  connection.stop();
+  await close();
+});
+
+test("the state of the battle arrives by subscription", () => {
+  assert.deepEqual(operations("subscribe").map(({ topic, type }) => [topic, type]), [
+    ["/game_status", "laser_bot_battle/GameStatus"],
+  ]);
+  assert.equal(statuses[0].battle, 3);
+  assert.deepEqual(changes, [true]);
+});
+
+test("commands go to the robot's topic, advertised once before", async () => {
+  assert.ok(connection.publish(3, FORWARD));
+  assert.ok(connection.publish(3, NEUTRAL));
+  await until(() => operations("publish").length === 2, "two commands");
+  assert.deepEqual(operations("advertise").map(({ topic, type }) => [topic, type]), [
+    ["/Robot3/command", "laser_bot_battle/Robot_msg"],
+  ]);
+  assert.deepEqual(operations("publish").map(({ topic, msg }) => [topic, msg]), [
+    ["/Robot3/command", FORWARD],
+    ["/Robot3/command", NEUTRAL],
+  ]);
+});
+
+test("the next battle advertises anew", async () => {
+  connection.publish(3, FORWARD);
+  connection.unadvertise();
+  connection.publish(3, FORWARD);
+  await until(() => operations("publish").length === 2, "two commands");
+  assert.deepEqual(heard.map(({ op }) => op).slice(1), ["advertise", "publish", "unadvertise", "advertise", "publish"]);
+});
+
+test("a lost connection comes back by itself, and what was commanded meanwhile is never played", async () => {
+  connection.publish(3, FORWARD);
+  await until(() => operations("publish").length === 1, "the first command");
+  await close();
+  await until(() => changes.length === 2, "the loss");
+  assert.deepEqual(changes, [true, false]);
+  assert.equal(connection.publish(3, FORWARD), false);
+  heard.length = 0;
+  await listen();
+  await until(() => connection.up, "the return");
+  assert.ok(connection.publish(3, NEUTRAL));
+  await until(() => operations("publish").length === 1, "a command");
+  assert.deepEqual(operations("publish")[0].msg, NEUTRAL);
+  assert.deepEqual(operations("advertise").length, 1);
+  assert.deepEqual(operations("subscribe").length, 1);
+});
+
+test("a connection that has gone silent is replaced", async () => {
+  await until(() => operations("subscribe").length === 2, "a new subscription after the silence");
+  assert.deepEqual(changes.slice(0, 3), [true, false, true]);
+});
+
+test("while commands pile up in front of the network, further ones are dropped and only stops are sent", async () => {
+  let sent = 0;
+  while (sent < 1000 && connection.publish(3, FORWARD)) sent += 1; // within one turn, so that none can leave
+  assert.ok(sent < 10, `${sent} commands were queued`);
+  assert.ok(connection.publish(3, NEUTRAL));
+  await until(() => operations("publish").length === sent + 1, "what was sent");
+  assert.deepEqual(operations("publish").at(-1).msg, NEUTRAL);
+});
+
+test("a stopped connection stays down", async () => {
+  connection.stop();
+  assert.equal(connection.up, false);
+  assert.equal(connection.publish(3, NEUTRAL), false);
+  await until(() => server.clients.size === 0, "the socket's end");
+});

@@ -1,0 +1,193 @@
+import struct
+
+import pytest
+
+from robot.rosserial.frame import encode
+from robot.rosserial.host import (
+    ANSWER_TIMEOUT,
+    DeviceLog,
+    DevicePublishes,
+    DeviceSubscribes,
+    Event,
+    Host,
+    Lost,
+    Message,
+    Notice,
+    Send,
+)
+from robot.rosserial.topic_info import TopicInfo
+
+COMMAND = TopicInfo(100, "command", "laser_bot_battle/Robot_msg", "aa81278360e1bdd1ffce0a4efe0ae199", 280)
+RESPONSE = TopicInfo(125, "response", "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e", 280)
+TOPICS = encode(0, RESPONSE.encode()) + encode(1, COMMAND.encode())
+HIT = bytes.fromhex("ff fe 00 00 ff 7d 00 82")
+TIME_REQUEST = encode(10, bytes(8))
+ASK = Send(bytes.fromhex("ff fe 00 00 ff 00 00 ff"))
+WALL = 1_700_000_000.25  # s since 1970
+
+
+class Conversation:
+    """One that has begun at time 0, and its clock."""
+
+    def __init__(self) -> None:
+        self.host = Host(0.0)
+        self.now = 0.0
+
+    def hear(self, data: bytes) -> list[Event]:
+        return self.host.receive(data, self.now, WALL)
+
+    def wait(self, seconds: float) -> list[Event]:
+        """What happens in that time, looked at ten times a second."""
+        events = []
+        for _ in range(round(seconds * 10)):
+            self.now = round(self.now + 0.1, 1)
+            events += self.host.tick(self.now, WALL)
+        return events
+
+
+def test_garbage_is_told_at_most_once_in_ten_seconds() -> None:
+    talk = Conversation()
+    told = []
+    for _ in range(25):
+        told += [event for event in talk.hear(b"garbage") if isinstance(event, Notice)]
+        talk.wait(1.0)
+    assert told == [
+        Notice(f"noise on the serial line so far (0 broken frames, {n} stray bytes: wrong speed or sketch?)")
+        for n in (7, 77, 147)
+    ]
+
+
+@pytest.fixture
+def fresh() -> Conversation:
+    return Conversation()
+
+
+@pytest.fixture
+def joined() -> Conversation:
+    conversation = Conversation()
+    conversation.host.tick(0.0, WALL)
+    conversation.hear(TOPICS)
+    return conversation
+
+
+def test_topics_are_asked_for_at_once_and_each_second_until_there_is_an_answer(fresh: Conversation) -> None:
+    assert fresh.host.tick(0.0, WALL) == [ASK]
+    assert fresh.wait(3.5) == [ASK] * 3
+    assert not fresh.host.answered
+    fresh.hear(TOPICS)
+    assert fresh.host.answered
+    assert fresh.wait(10) == []
+
+
+def test_the_topics_of_the_device_are_told(fresh: Conversation) -> None:
+    assert fresh.hear(TOPICS) == [DevicePublishes(RESPONSE), DeviceSubscribes(COMMAND)]
+
+
+def test_a_device_that_never_answers_is_lost(fresh: Conversation) -> None:
+    *asked, lost = fresh.wait(ANSWER_TIMEOUT)
+    assert set(asked) == {ASK}
+    assert isinstance(lost, Lost)
+    assert "no answer to the topic request" in lost.reason
+
+
+def test_a_device_that_sends_only_garbage_is_lost_and_the_garbage_is_named(fresh: Conversation) -> None:
+    for _ in range(int(ANSWER_TIMEOUT) * 10 - 1):
+        fresh.hear(b"\x00\x80" + HIT[:-1] + b"\x00")
+        fresh.wait(0.1)
+    lost = fresh.wait(0.1)[-1]
+    assert isinstance(lost, Lost)
+    assert "79 broken frames" in lost.reason
+    assert "stray bytes" in lost.reason
+
+
+def test_a_hit_is_a_message(joined: Conversation) -> None:
+    assert joined.hear(HIT) == [Message(125, b"")]
+
+
+def test_a_request_for_the_time_is_answered_with_seconds_and_nanoseconds(joined: Conversation) -> None:
+    [answer] = joined.hear(TIME_REQUEST)
+    assert answer == Send(encode(10, struct.pack("<II", 1_700_000_000, 250_000_000)))
+
+
+def test_the_time_alone_does_not_make_a_device_ready(fresh: Conversation) -> None:
+    assert len(fresh.hear(TIME_REQUEST)) == 1
+    assert not fresh.host.answered
+
+
+def test_requests_for_the_time_keep_the_connection_for_ever(joined: Conversation) -> None:
+    for _ in range(20):
+        assert joined.wait(14) == []
+        joined.hear(TIME_REQUEST)
+
+
+def test_topics_are_asked_for_again_after_15_s_without_a_request_for_the_time(joined: Conversation) -> None:
+    assert joined.wait(14.8) == []
+    assert joined.wait(0.5) == [ASK]
+    assert joined.hear(TOPICS) == [DevicePublishes(RESPONSE), DeviceSubscribes(COMMAND)]
+    assert joined.wait(14.8) == []
+
+
+def test_a_device_that_stays_silent_after_that_is_lost(joined: Conversation) -> None:
+    assert not [event for event in joined.wait(19.8) if isinstance(event, Lost)]
+    lost = joined.wait(0.2)[-1]
+    assert isinstance(lost, Lost)
+    assert "no time request for 20 s" in lost.reason
+
+
+def test_messages_alone_do_not_keep_the_connection(joined: Conversation) -> None:
+    for _ in range(19):
+        joined.hear(HIT)
+        joined.wait(1)
+    assert isinstance(joined.wait(1.1)[-1], Lost)
+
+
+def test_a_message_on_an_unknown_topic_makes_the_topics_be_asked_for_again_but_not_all_the_time(
+    joined: Conversation,
+) -> None:
+    joined.wait(5)
+    stranger = encode(101, b"x")
+    notice, ask = joined.hear(stranger)
+    assert isinstance(notice, Notice)
+    assert ask == ASK
+    assert joined.hear(stranger * 10) == []
+    joined.wait(1.1)
+    assert joined.hear(stranger)[-1] == ASK
+
+
+def test_a_subscribed_topic_is_no_topic_to_publish_on(joined: Conversation) -> None:
+    joined.wait(5)
+    assert isinstance(joined.hear(encode(100, b"\1\0\0"))[0], Notice)
+
+
+def test_a_log_line_of_the_sketch_is_told(joined: Conversation) -> None:
+    assert joined.hear(encode(7, b"\x02\x07\0\0\0low bat")) == [DeviceLog(2, "low bat")]
+
+
+def test_a_request_for_a_parameter_gets_nothing_and_is_told(joined: Conversation) -> None:
+    answer, notice = joined.hear(encode(6, b"\x04\0\0\0gain"))
+    assert answer == Send(encode(6, bytes(12)))
+    assert isinstance(notice, Notice)
+    assert "'gain'" in notice.text
+
+
+@pytest.mark.parametrize(
+    ("frame", "words"),
+    [
+        (encode(0, b"\x64"), "broken topic info"),
+        (encode(1, TopicInfo(7, "evil", "a/B", "", 1).encode()), "reserved id 7"),
+        (encode(7, b""), "broken log message"),
+        (encode(7, b"\x01\xff\0\0\0short"), "broken log message"),
+        (encode(2, b"service"), "not supported"),
+        (encode(42, b"?"), "unknown id 42"),
+    ],
+)
+def test_what_cannot_be_used_is_told_and_changes_nothing(joined: Conversation, frame: bytes, words: str) -> None:
+    [notice] = joined.hear(frame)
+    assert isinstance(notice, Notice)
+    assert words in notice.text
+    assert joined.hear(HIT) == [Message(125, b"")]
+
+
+def test_a_half_frame_does_not_hold_back_the_hit_behind_it_for_ever(joined: Conversation) -> None:
+    assert joined.hear(b"\xff\xfe\x64\x00\x9b" + HIT) == []
+    assert joined.wait(2) == [Message(125, b"")]

@@ -1,0 +1,58 @@
+"""Clients without ROS or socket, and what they are answered."""
+
+import hashlib
+import json
+from typing import Any
+
+from laser_bot_battle.msg import GameStatus, UserStatus
+from server.rosbridge.conversion import Types
+from server.rosbridge.drivers import Drivers
+from server.rosbridge.effects import Effect, Log, Send
+from server.rosbridge.gate import OPERATOR, Gate, Identity
+from server.rosbridge.graph import Graph
+from server.rosbridge.protocol import Client
+
+# As roslib sends them.
+ADVERTISE = (
+    '{"op":"advertise","id":"advertise:/Robot3/command:1","type":"laser_bot_battle/Robot_msg",'
+    '"topic":"/Robot3/command","latch":false,"queue_size":100}'
+)
+PUBLISH = (
+    '{"op":"publish","id":"publish:/Robot3/command:2","topic":"/Robot3/command",'
+    '"msg":{"linear_x":1,"angular_z":-1,"shoot":false},"latch":false}'
+)
+TOKEN = "the token-of-al"
+
+
+class Server:
+    """All that clients share."""
+
+    def __init__(self) -> None:
+        self.gate, self.drivers, self.graph, self.types = Gate("secret"), Drivers(), Graph(), Types()
+
+    def client(self, identity: Identity = OPERATOR) -> Client:
+        return Client(self.gate, self.drivers, self.graph, self.types, identity)
+
+    def battle(self, now: float = 0.0, game: int = GameStatus.PLAYING, robot: int = 3, name: str = "al") -> None:
+        """al, or who else is named, fights with a robot."""
+        session = hashlib.sha256(TOKEN.encode()).hexdigest()
+        users = [UserStatus(name=name, robot=robot, life=100, ready=True, session=session)]
+        self.gate.update(GameStatus(game=game, users=users), now)
+
+
+def say(client: Client, now: float = 0.0, /, **fields: Any) -> list[Effect]:
+    """The effects of a request, log lines apart."""
+    return without_log(client.receive(json.dumps(fields), now))
+
+
+def without_log(effects: list[Effect]) -> list[Effect]:
+    return [effect for effect in effects if not isinstance(effect, Log)]
+
+
+def error(effects: list[Effect]) -> dict[str, Any]:
+    """The one effect, which is a status of level error."""
+    (sent,) = without_log(effects)
+    assert isinstance(sent, Send)
+    status = json.loads(sent.text)
+    assert (status["op"], status["level"]) == ("status", "error")
+    return dict(status)

@@ -1,0 +1,95 @@
+"""Settings of all programs: declared once; defaults, values, and one clear line for an impossible one."""
+
+from pathlib import Path
+
+import pytest
+
+from laser_bot_battle import variables
+from laser_bot_battle.settings import SettingsError, describe, read_or_exit
+
+BY_NAME = {variable.name: variable for variable in (*variables.LASERBOT, variables.ROS_MASTER_URI)}
+
+
+def test_an_unset_or_empty_variable_means_the_default() -> None:
+    for environ in ({}, dict.fromkeys(BY_NAME, "")):
+        assert variables.BIND.read(environ) == "0.0.0.0"
+        assert variables.WEB.read(environ) == 5000
+        assert variables.WEB.read(environ, 80) == 80
+        assert variables.VIEW.read(environ) is None
+        assert variables.LED.read(environ) == 18
+        assert variables.LOG_LEVEL.read(environ) == "info"
+        assert variables.SERIAL.read(environ) == ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0")
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "value"),
+    [
+        ("LASERBOT_WEB_PORT", "80", 80),
+        ("LASERBOT_VIEW_PORT", "92", 92),
+        ("LASERBOT_COUNTDOWN", "0.5", 0.5),
+        ("LASERBOT_DATA", "/data", Path("/data")),
+        ("LASERBOT_LED", "none", None),
+        ("LASERBOT_LED", "27", 27),
+        ("LASERBOT_LOG_LEVEL", "DEBUG", "debug"),
+        ("LASERBOT_SERIAL", "/host/dev/laserbot socket://arena:9000", ("/host/dev/laserbot", "socket://arena:9000")),
+        ("ROS_MASTER_URI", "http://master:1", "http://master:1"),
+        ("LASERBOT_ROSTER", " ", {}),
+        (
+            "LASERBOT_ROSTER",
+            " raspberrypi1=1, virtual-0=0\n",
+            {"/id_service_client_raspberrypi1": 1, "/id_service_client_virtual_0": 0},
+        ),
+    ],
+)
+def test_a_value_is_read(name: str, text: str, value: object) -> None:
+    assert BY_NAME[name].read({name: text}) == value
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "allowed"),
+    [
+        *[("LASERBOT_WEB_PORT", text, "a whole number from 1 to 65535") for text in ("x", "0", "65536", "80.5", "٣")],
+        ("LASERBOT_ROSBRIDGE_PORT", "-1", "a whole number from 1 to 65535"),
+        ("LASERBOT_VIEW_PORT", "0", "a whole number from 1 to 65535"),
+        *[("LASERBOT_HIT_DAMAGE", text, "a whole number from 1 to 100") for text in ("0", "101", "2.5")],
+        *[("LASERBOT_COUNTDOWN", text, "a number from 0.1 to 3600") for text in ("nan", "inf", "soon")],
+        ("LASERBOT_BATTLE_LIMIT", "-5", "a number from 1 to 86400"),
+        ("LASERBOT_RETRY", "-1", "a number from 0.1 to 3600"),
+        *[("LASERBOT_LED", text, "a GPIO from 0 to 27, or none") for text in ("28", "GPIO18", "²")],
+        *[
+            ("LASERBOT_LOG_LEVEL", text, "one of debug, info, warning, error")
+            for text in ("loud", "critical", "notset")
+        ],
+        *[("ROS_MASTER_URI", text, "http://host:port") for text in ("master", "http://master", "http://master:port")],
+    ],
+)
+def test_an_impossible_value_is_named_with_what_is_allowed(name: str, text: str, allowed: str) -> None:
+    with pytest.raises(SettingsError) as error:
+        BY_NAME[name].read({name: text})
+    assert str(error.value) == f"{name}={text}: must be {allowed}"
+
+
+@pytest.mark.parametrize(
+    "text", ["a", "a=", "=1", "a=128", "a=-1", "a=1.5", "a=1 a=2", "a=1 b=1", "a-b=1 a_b=2", "a=x"]
+)
+def test_a_wrong_roster_is_named(text: str) -> None:
+    with pytest.raises(SettingsError, match=r"^LASERBOT_ROSTER=.*(is not name=ID|repeats a name or an ID)"):
+        variables.ROSTER.read({"LASERBOT_ROSTER": text})
+
+
+def test_help_has_a_line_for_each_variable_without_markup() -> None:
+    assert describe(variables.WEB, variables.LED).splitlines() == [
+        "environment variables:",
+        "  LASERBOT_WEB_PORT  the game's pages (default: 5000)",
+        "  LASERBOT_LED       GPIO of a robot's status LED, or none (default: 18)",
+    ]
+
+
+def test_a_wrong_value_ends_a_program_with_one_line_and_exit_code_2(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("LASERBOT_WEB_PORT", "x")
+    with pytest.raises(SystemExit) as end:
+        read_or_exit("the.program", variables.WEB.read)
+    assert end.value.code == 2
+    assert capsys.readouterr().err == "the.program: LASERBOT_WEB_PORT=x: must be a whole number from 1 to 65535\n"
