@@ -1,15 +1,15 @@
-# The two commands of LaserBot Battle. Both install and build what is missing first.
+# The commands of LaserBot Battle. Each first installs and builds what it needs.
 .PHONY: help demo test test-all lint bench setup clean
 
 help:
 	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser'
 	@echo 'make test                      what every change must pass: 25 minutes'
-	@echo 'make test-all                  the slow tests, too: before a release'
+	@echo 'make test-all                  everything, the slow tests included: before a release'
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
 	@echo 'make images                    the container images; PUSH=host:port, ARCHIVE=file, PLATFORM=linux/arm/v7'
 	@echo 'make fleet [HOSTS=3]           a master and robots as real hosts, deployed over SSH; make fleet-down removes them'
-	@echo 'make fleet-faults              reboots, cuts and kills in that fleet, with the times until it is whole again'
+	@echo 'make fleet-faults              reboots, cuts and kills in that fleet; prints how long it takes to recover'
 	@echo 'make clean                     removes what was built (not the Debian packages)'
 
 ROBOTS ?= 2

@@ -54,7 +54,7 @@ class DeviceTopics:
         publisher.publish(message)
 
     def _open(self, info: TopicInfo, make: Callable[[Any], Any]) -> None:
-        """A known topic stays as it is, a changed one is opened anew, one that cannot be is refused and logged."""
+        """A known topic stays as it is, a changed one is opened again, an impossible one is refused and logged."""
         if self._known.get(info.topic_id) == info:
             return
         self._known[info.topic_id] = info

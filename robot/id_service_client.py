@@ -3,8 +3,8 @@
     python3 -m robot.id_service_client
 
 The Arduino is asked first, so that the server never offers players a robot that cannot move. Then the pings and the
-serial node Robot<ID> run until the serial node ends; when the server has forgotten the robot, both start anew. Whatever
-fails is said in one line and tried again, for ever.
+serial node Robot<ID> run until the serial node ends; when the server has forgotten the robot, both start again.
+Whatever fails is said in one line and tried again, for ever.
 The status LED is lit from the start until the robot has an ID, blinks slowly while it works, and fast while it lacks
 its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 """
@@ -95,8 +95,8 @@ def run_robot(settings: Settings, led: Indication) -> None:
                 supervise(node, pings, led, time.monotonic() + settings.retry)
             _log.warning("the server does not know robot %d: registering again", robot_id)
             led.state = State.FAILING
-            # The node starts anew: after an outage its subscriber may hold a connection whose other end was closed
-            # unheard, and until it hears of that, it takes the next player for the one that it has (rospy).
+            # Restart the node: after an outage its subscriber may hold a connection whose other end was closed. Until
+            # it notices, rospy takes the next player's connection for that one.
             registered = False
 
 

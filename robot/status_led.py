@@ -89,7 +89,7 @@ class LedThread(threading.Thread):
 def status_led(number: int | None) -> Iterator[Indication]:
     """What the LED at this GPIO tells inside the block. The LED is lit at once, and dark in the end.
 
-    None: the robot has no LED. It works likewise when the GPIO cannot be used, which the log says with the reason.
+    None: the robot has no LED. The same when the GPIO cannot be used; the log then says why.
     """
     line = None
     if number is not None:

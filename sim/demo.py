@@ -213,7 +213,7 @@ def counted(number: int, thing: str) -> str:
 def who_can_play(people: int) -> str:
     """What to do for more players, when that many robots are left to people."""
     if people == 0:
-        return "Bots have all robots: watch them, or start with BOTS=0 to play."
+        return "Bots drive all robots: watch them, or start with BOTS=0 to play."
     if people == 1:
         return "One person can play. For two: more ROBOTS or BOTS=0, and another browser or a private window."
     return f"{people} people can play, each in another browser or a private window."
@@ -221,7 +221,7 @@ def who_can_play(people: int) -> str:
 
 def count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and int(text) <= MAX_ROBOTS):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to {MAX_ROBOTS}")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 to {MAX_ROBOTS}")
     return int(text)
 
 
@@ -236,7 +236,7 @@ def main() -> int:
         epilog=describe(*VARIABLES),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--robots", type=count, default=2, help="virtual robots, each the real firmware (default 2)")
+    parser.add_argument("--robots", type=count, default=2, help="virtual robots with the real firmware (default 2)")
     parser.add_argument("--bots", type=count, default=1, help="robots that a program plays (default 1)")
     options = parser.parse_args()
     if options.bots > options.robots:
@@ -258,7 +258,7 @@ def main() -> int:
             f"  http://localhost:{settings.ports[WEB.name]}   the game\n"
             f"  http://localhost:{settings.ports[ARENA.name]}   the arena seen from above\n"
             f"{who_can_play(options.robots - options.bots)}\n"
-            f"Ctrl-C stops everything. What the parts say: {demo.log}"
+            f"Ctrl-C stops everything. The log: {demo.log}"
         )
         demo.wait()
     except Interrupted:

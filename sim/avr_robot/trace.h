@@ -2,7 +2,7 @@
  * The event trace on stdout: `<monotonic_ns> <avr_cycles> <event...>`, one line per event.
  *
  *   ready                       the UART is open, the AVR starts
- *   reset opened|watchdog       the AVR starts anew, because another program has opened the UART or by its watchdog
+ *   reset opened|watchdog       the AVR starts again: another program has opened the UART, or its watchdog has fired
  *   coil left|right POSITION    a half-step; cumulative, signed
  *   slip left|right             a change of the coils that the motor cannot follow
  *   coils left|right on|off     the motor gets current where it stands; it gets none any more

@@ -56,7 +56,8 @@ def test_every_container_passes_every_probe_and_none_has_ended(battle: ClusterBa
     for pod in battle.pods.values():
         for container in pod.spec["containers"]:
             for probe in [key for key in container if key.endswith("Probe")]:
-                assert pod.passes(container["name"], probe), f"{pod.name}/{container['name']} {probe}"
+                asked = f"{pod.name}/{container['name']} {probe}"
+                until(partial(pod.passes, container["name"], probe), 30, asked)
             assert pod.state(container["name"])["Running"]
             assert pod.exec(container["name"], "id", "-u").strip() == "10001"
 

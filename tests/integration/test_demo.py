@@ -134,8 +134,8 @@ def test_a_port_in_use_is_one_clear_line() -> None:
 @pytest.mark.parametrize(
     ("words", "variables", "complaint"),
     [
-        (["--robots", "two"], {}, "'two' is not a number from 0 to 8"),
-        (["--robots", "9"], {}, "'9' is not a number from 0 to 8"),
+        (["--robots", "two"], {}, "'two' is not a whole number from 0 to 8"),
+        (["--robots", "9"], {}, "'9' is not a whole number from 0 to 8"),
         (["--robots", "1", "--bots", "2"], {}, "2 bots cannot play with 1 robot: start more robots"),
         ([], {"LASERBOT_BIND": "192.0.2.2"}, "choose 127.0.0.1 (this machine only) or 0.0.0.0 (the network too)"),
         ([], {"LASERBOT_HIT_DAMAGE": "abc"}, "LASERBOT_HIT_DAMAGE=abc: must be a whole number from 1 to 100"),

@@ -91,14 +91,14 @@ class Pod:
         return flags
 
     def _mounts(self, container: Object) -> list[str]:
-        """An emptyDir belongs to root and the fsGroup, and everybody may write."""
-        volumes = {volume["name"]: volume for volume in self.spec["volumes"]}
+        """Who may write to an emptyDir is its user: runc before 1.2 gives it the mode of the image's folder."""
+        volumes, rights = {volume["name"]: volume for volume in self.spec["volumes"]}, self.spec["securityContext"]
         flags = []
         for mount in container["volumeMounts"]:
             volume = volumes[mount["name"]]
             if "emptyDir" in volume:
                 size = re.sub("i$", "", volume["emptyDir"]["sizeLimit"]).lower()
-                options = f"uid=0,gid={self.spec['securityContext']['fsGroup']},mode=2777,size={size}"
+                options = f"uid={rights['runAsUser']},gid={rights['fsGroup']},mode=2777,size={size}"
                 flags.append(f"--tmpfs={mount['mountPath']}:{options}")
             else:
                 read_only = ":ro" if mount.get("readOnly") else ""

@@ -1,8 +1,8 @@
 """The ROS master seen from a program: timed calls, waiting for it, and noticing that it has forgotten a node.
 
-rospy neither says that there is no master (`init_node` hangs) nor registers again with a restarted one. A node that
-serves for a whole evening therefore waits for the master first, and ends when the master has forgotten it: its
-supervisor starts it anew. A master that is merely slow is no reason to end: connections between nodes live without it.
+Without a master rospy just hangs (in `init_node`), and it does not register again with a restarted one. So a node that
+serves for a whole evening first waits for the master, and ends when the master has forgotten it: its supervisor starts
+it again. A node does not end because the master is slow: connections between nodes work without it.
 """
 
 import http.client

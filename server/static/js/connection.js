@@ -60,7 +60,7 @@ export class Connection {
     return true;
   }
 
-  /** The right to publish has ended; the next battle advertises anew. */
+  /** The right to publish has ended; the next battle advertises again. */
   unadvertise() {
     if (this.#up) this.#commands?.topic.unadvertise();
     this.#commands = null;
@@ -99,7 +99,7 @@ export class Connection {
     );
   }
 
-  /** Connect anew unless something arrives within `ms`. */
+  /** Connect again unless something arrives within `ms`. */
   #retryIn(ms) {
     clearTimeout(this.#timer);
     if (this.#stopped) return;

@@ -177,7 +177,7 @@ class Game {
       const text = "The connection to your robot is lost, so you have been signed out.";
       this.#leave({ kind: "error", title: "Robot lost", text }, 2500);
     } else if (session.user !== this.#me.name || session.robot !== this.#me.robot) {
-      location.reload(); // another tab of this browser has signed in anew
+      location.reload(); // another tab of this browser has signed in again
     }
   }
 
