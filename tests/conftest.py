@@ -23,12 +23,13 @@ adopt_orphans()
 
 @pytest.fixture(scope="session")
 def temporary_files(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """Where this run, and what it starts, has its temporary files."""
-    folder = tmp_path_factory.mktemp("tmp")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("TMPDIR", str(folder))
-        patch.setattr(tempfile, "tempdir", str(folder))
-        yield folder
+    """Where this run, and what it starts as whichever user, has temporary files; not those of tmp_path."""
+    tmp_path_factory.getbasetemp()
+    with tempfile.TemporaryDirectory(prefix="laserbot-tests-") as folder, pytest.MonkeyPatch.context() as patch:
+        Path(folder).chmod(0o1777)
+        patch.setenv("TMPDIR", folder)
+        patch.setattr(tempfile, "tempdir", folder)
+        yield Path(folder)
 
 
 @pytest.fixture(autouse=True)

@@ -219,6 +219,7 @@ def test_light_on_the_sensor_is_reported_as_one_hit_at_once(bench: Bench) -> Non
     assert told - lit <= 0.003 * CYCLES_PER_SECOND
 
 
+@pytest.mark.slow
 def test_flickering_light_is_one_hit(bench: Bench) -> None:
     flashes = 1200
     bench.arena.send("light 1\nlight 0\n" * flashes)  # 300 ms

@@ -19,7 +19,7 @@ def adopt_orphans() -> None:
 
 
 @contextlib.contextmanager
-def nothing_left(folder: Path, seconds: float = 5.0) -> Iterator[None]:
+def nothing_left(folder: Path, seconds: float = 2.0) -> Iterator[None]:
     """AssertionError that names what is there after the `with` and was not before, given time to end.
 
     Looks at this process and at the temporary files in `folder`.
