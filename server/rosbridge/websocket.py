@@ -63,7 +63,7 @@ class WebSocketServer:
     def _admit(self, websocket: ServerConnection, request: Request) -> Response | None:
         """The answer to who is not let in. websockets logs nothing about an answer from here."""
         if [protocol.lower() for protocol in request.headers.get_all("Upgrade")] != ["websocket"]:
-            # a health check asks like this: it must get the same answer when there is no place for a client
+            # who asks whether this is alive gets the same answer when there is no place for a client
             response = websocket.respond(HTTPStatus.UPGRADE_REQUIRED, "this is a WebSocket server\n")
             response.headers["Upgrade"] = "websocket"
             response.headers["Connection"] = "Upgrade"  # beside "close": RFC 9110 7.8 wants it with every Upgrade
