@@ -27,6 +27,7 @@ def people(chromium: Browser, battle: Battle) -> Iterator[tuple[Person, Person]]
     assert ann.complaints + bob.complaints == []
 
 
+@pytest.mark.timeout(900)  # its own deadlines are for a busy machine
 def test_two_people_play_to_the_end(
     battle: Battle, people: tuple[Person, Person], chromium: Browser, screenshots: Path
 ) -> None:
