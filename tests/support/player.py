@@ -13,9 +13,7 @@ from websockets.sync.client import connect
 from tests.support.polling import until
 
 RANGE = 0.5  # m, near enough to shoot
-ALIGNED = math.radians(
-    10
-)  # at RANGE the beam's half angle and half the target are 18 degrees; a busy machine overshoots
+ALIGNED = math.radians(5)  # of the beam's 8 to each side
 
 
 class Place(Protocol):
