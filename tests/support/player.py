@@ -13,7 +13,7 @@ from websockets.sync.client import connect
 from tests.support.polling import until
 
 RANGE = 0.5  # m, near enough to shoot
-ALIGNED = math.radians(5)  # of the beam's 8 to each side
+ALIGNED = math.radians(3)
 
 
 class Place(Protocol):
