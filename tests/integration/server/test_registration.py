@@ -4,6 +4,8 @@ import json
 import socket
 from urllib.parse import urlsplit
 
+import pytest
+
 from laser_bot_battle.master import Master
 from tests.support.polling import until
 
@@ -35,6 +37,7 @@ def test_a_robot_gets_its_id_back_after_a_restart_of_the_server(server, tmp_path
     assert server.robot("a").id == 0
 
 
+@pytest.mark.slow
 def test_a_robot_that_restarts_at_once_keeps_its_player(server):
     first = server.robot("a")
     ada = server.player("ada")
@@ -79,6 +82,7 @@ def test_a_broken_roster_is_kept_aside_and_robots_start_afresh(launch, tmp_path)
     assert (tmp_path / "data" / "robots.json.broken").exists()
 
 
+@pytest.mark.slow
 def test_the_129th_robot_is_refused_in_words(server):
     crowd = server.peer("crowd")
     text = crowd.wait_for("refused after", 30)
