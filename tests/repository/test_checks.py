@@ -96,9 +96,17 @@ def test_a_linter_finds_a_fault(linter: str, tmp_path: Path) -> None:
         (tmp_path / tools).symlink_to(ROOT / tools)
     for folder in (".ci", "images", "laser_bot_battle/scripts", "tests", "server", "robot", "sim/avr_robot", ".git"):
         (tmp_path / folder).mkdir(parents=True, exist_ok=True)
-    for package in ("server", "robot", "sim", "laser_bot_battle/src/laser_bot_battle"):
-        (tmp_path / package).mkdir(parents=True, exist_ok=True)
-        (tmp_path / package / "__init__.py").touch()
+    for module in (
+        "server/__init__.py",
+        "robot/__init__.py",
+        "sim/__init__.py",
+        "laser_bot_battle/src/laser_bot_battle/__init__.py",
+        "tests/__init__.py",
+        "ansible/checks/fleet.py",
+        "ci/engine/root",
+    ):
+        (tmp_path / module).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / module).touch()
     name, content = FAULTS[linter]
     fault = tmp_path / name
     fault.parent.mkdir(parents=True, exist_ok=True)
