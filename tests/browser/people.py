@@ -24,6 +24,7 @@ class Person:
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
         self.page.goto(battle.web)
         self.pressed: set[str] = set()
+        self.robot = -1  # until logged in
 
     def log_in(self) -> None:
         expect(self.page.locator("#availableR")).not_to_have_text("0")
@@ -31,10 +32,7 @@ class Person:
         self.page.locator("#username").press("Enter")
         self.page.wait_for_url("**/home")
         expect(self.page.locator(".username").first).to_have_text(self.name)
-
-    @property
-    def robot(self) -> int:
-        return int(self.page.locator(".robotN").first.inner_text().split()[-1])
+        self.robot = int(self.page.locator(".robotN").first.inner_text().split()[-1])
 
     def hold(self, command: tuple[int, int, bool]) -> None:
         """Hold exactly the keys of this command."""

@@ -8,7 +8,7 @@ from playwright.sync_api import Browser, expect
 
 from tests.browser.people import Person
 from tests.support.battle import Battle
-from tests.support.player import Eyes, hunt
+from tests.support.player import Eyes, Hunter
 from tests.support.polling import until
 
 
@@ -61,15 +61,11 @@ def test_two_people_play_to_the_end(
 
         ann_life, bob_life = ann.page.locator("#userLife"), bob.page.locator("#userLife")
 
-        def ann_aims() -> bool:
-            """Pages are read at other times: a turn must end in time."""
-            robots = eyes.robots()
-            command = hunt(robots[ann.robot], robots[bob.robot])
-            ann.hold(command)
-            return command[1] == 0
+        hunter = Hunter(eyes.floor)
 
         def bob_is_hurt() -> bool:
-            return ann_aims() and "75" in bob_life.inner_text()
+            ann.hold(hunter.command(eyes.robots(), ann.robot, bob.robot))
+            return "75" in bob_life.inner_text()
 
         until(bob_is_hurt, 120, "Ann hits Bob")
         expect(ann.page.locator("#userList")).to_contain_text("75")
@@ -78,7 +74,8 @@ def test_two_people_play_to_the_end(
         above.screenshot(path=screenshots / "arena.png")
 
         def over() -> bool:
-            return ann_aims() and "YOU WIN!" in ann.page.locator("body").inner_text()
+            ann.hold(hunter.command(eyes.robots(), ann.robot, bob.robot))
+            return "YOU WIN!" in ann.page.locator("body").inner_text()
 
         until(over, 120, "Ann wins")
     ann.hold((0, 0, False))

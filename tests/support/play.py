@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from websockets.exceptions import WebSocketException
 
-from tests.support.player import Eyes, Player, hunt
+from tests.support.player import Eyes, Hunter, Player
 from tests.support.polling import until
 
 STOPPED, COUNTDOWN, PLAYING = 0, 1, 2
@@ -74,10 +74,10 @@ def stands_still(player: Player, eyes: Eyes, seconds: float = 5.0) -> None:
 
 def hunt_down(shooter: Player, target: Player, eyes: Eyes, life: int, seconds: float = 60.0) -> None:
     """Hunt the target until it has `life` left."""
+    hunter = Hunter(eyes.floor)
 
     def wounded() -> bool:
-        robots = eyes.robots()
-        shooter.drive(*hunt(robots[shooter.robot], robots[target.robot]))
+        shooter.drive(*hunter.command(eyes.robots(), shooter.robot, target.robot))
         return int(shooter.user(target.name)["life"]) <= life
 
     until(wounded, seconds, f"{shooter.name} shoots {target.name} down to {life}")
@@ -90,11 +90,11 @@ def shoot_to_the_end(shooter: Player, target: Player | int, eyes: Eyes, seconds:
     The lives that everybody saw of a player, each once.
     """
     prey = target if isinstance(target, int) else target.robot
+    hunter = Hunter(eyes.floor)
     lives: list[int] = []
 
     def over() -> bool:
-        robots = eyes.robots()
-        shooter.drive(*hunt(robots[shooter.robot], robots[prey]))
+        shooter.drive(*hunter.command(eyes.robots(), shooter.robot, prey))
         life = shooter.user(target.name).get("life") if isinstance(target, Player) else None
         if life is not None and life not in lives:
             lives.append(life)

@@ -3,17 +3,22 @@
 import contextlib
 import json
 import math
+import random
 import threading
+import time
 from collections.abc import Iterator, Mapping
 from typing import Any, Protocol
 
 import requests
 from websockets.sync.client import connect
 
+from sim.arena.geometry import Pose, bearing, wrap
+from sim.bot_course import Course
+from sim.bot_mind import Mind, Skill
 from tests.support.polling import until
 
-RANGE = 0.5  # m, near enough to shoot
-ALIGNED = math.radians(3)
+SWEEP = math.radians(30)  # off the prey: the light is on
+MERCILESS = Skill(mercy=0, reaction=0, aim_error=0, reload=(0, 0), rest=(0, 0), roam_chance=0)
 
 
 class Place(Protocol):
@@ -164,11 +169,20 @@ class Eyes:
         self.view.close()
 
 
-def hunt(me: Mapping[str, float], prey: Mapping[str, float]) -> tuple[int, int, bool]:
-    """The command (linear_x, angular_z, shoot) that turns to the prey, comes near and shoots."""
-    distance = math.hypot(prey["x"] - me["x"], prey["y"] - me["y"])
-    bearing = math.atan2(prey["y"] - me["y"], prey["x"] - me["x"]) - me["heading"]
-    bearing = math.remainder(bearing, math.tau)
-    if abs(bearing) > ALIGNED:
-        return 0, -1 if bearing > 0 else 1, False
-    return (1, 0, False) if distance > RANGE else (0, 0, True)
+class Hunter:
+    """Plays as the bot does, but sees at once, aims well and knows no mercy.
+
+    The light is on while it turns to its prey, too: on a busy machine a turn ends late, and only sweeps across it.
+    """
+
+    def __init__(self, floor: Mapping[str, Any]) -> None:
+        course = Course(floor["width"], floor["height"], floor["walls"])
+        self._mind = Mind(course, random.Random(1), MERCILESS)
+
+    def command(self, robots: Mapping[int, Mapping[str, float]], me: int, prey: int) -> tuple[int, int, bool]:
+        """What robot `me` must do now (linear_x, angular_z, shoot) to bring robot `prey` down."""
+        pose = Pose(robots[me]["x"], robots[me]["y"], robots[me]["heading"])
+        others = {number: (robot["x"], robot["y"]) for number, robot in robots.items() if number != me}
+        command = self._mind.decide(time.monotonic(), pose, others, [prey])
+        off = wrap(bearing(pose.point, others[prey]) - pose.heading)
+        return command.linear_x, command.angular_z, command.shoot or abs(off) < SWEEP
