@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import waitress
+from waitress import wasyncore
 
 from laser_bot_battle import alive
 from laser_bot_battle.log import configure_logging
@@ -23,6 +24,8 @@ from server.store.roster import Roster
 from server.web.app import create_app
 
 _log = logging.getLogger(__name__)
+
+_LAST_REQUESTS = 0.5  # s
 
 
 def main() -> int:
@@ -44,8 +47,10 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
     game.add_listener(hits.follow)
     game.add_listener(lambda _: alive.touch())
     IdServiceServer(game, roster)
+    sockets: dict[int, wasyncore.dispatcher] = {}
     web = waitress.create_server(
         create_app(game, settings),
+        map=sockets,
         sockets=[listener],
         threads=8,
         connection_limit=500,
@@ -55,11 +60,13 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
     )
     game.start()
     node.start_thread("hits", hits.run)
-    node.start_thread("web server", web.run)
+    serving = node.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.node.bind, settings.node.port)
     try:
         yield
     finally:
+        web.trigger.pull_trigger(lambda: wasyncore.close_all(sockets))  # in its thread: it may be accepting now
+        serving.join(_LAST_REQUESTS)
         hits.stop()
         game.stop()
 

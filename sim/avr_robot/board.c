@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include <simavr/avr_extint.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/sim_avr.h>
 #include <simavr/sim_interrupts.h>
@@ -15,6 +16,7 @@ enum {
 	EMITTER_PIN = 3,     /* PD3 */
 	RIGHT_SHIFT = 4,     /* PD4..7 */
 	INT0_VECTOR = 1,     /* of the ATmega328P */
+	EMITTER_INT = 1,     /* PD3 is INT1's pin, too */
 	UNCHECKED_CYCLES = 256, /* simavr looks up from the program at most as late: twice as fast */
 };
 
@@ -108,6 +110,12 @@ static void drive_sensor_pin(struct board *board)
 	avr_raise_irq(board->sensor_pin, !board->light);
 }
 
+/* While its pin is low simavr would look at INT1 in each cycle, ten times the work, though nobody enables it. */
+static void ignore_emitter_interrupt(avr_t *avr)
+{
+	avr_extint_set_strict_lvl_trig(avr, EMITTER_INT, 0);
+}
+
 static bool queued(avr_int_table_t *table, const avr_int_vector_t *vector)
 {
 	const int length = avr_int_pending_get_read_size(&table->pending);
@@ -190,6 +198,7 @@ bool board_init(struct board *board, const struct firmware_image *image, struct 
 	avr_irq_register_notify(port_irq(avr, 'D', IOPORT_IRQ_REG_PORT), port_d_level, board);
 	avr_irq_register_notify(port_irq(avr, 'D', IOPORT_IRQ_DIRECTION_ALL), port_d_output, board);
 	attach_sensor(board);
+	ignore_emitter_interrupt(avr);
 	return true;
 }
 
@@ -199,6 +208,7 @@ static void finish_reset(struct board *board, uint64_t cycle, const char *cause)
 	avr_t *avr = board->avr;
 
 	avr->cycle = cycle; /* newer versions of simavr count from 0 again */
+	ignore_emitter_interrupt(avr);
 	trace_event(board->trace, cycle, "reset %s", cause);
 	for (const char *port = "BD"; *port; port++) {
 		avr_raise_irq(port_irq(avr, *port, IOPORT_IRQ_DIRECTION_ALL), 0);

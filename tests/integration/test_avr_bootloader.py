@@ -144,3 +144,20 @@ def test_the_robot_works_after_every_opening(tmp_path: Path) -> None:
                 link.send("light 1\nlight 0\n")
                 until(lambda host=host: host.count(RESPONSE_ID), 5, "a hit")
         assert len(robot.cycles_of("reset", "opened")) == 2
+
+
+@pytest.mark.parametrize("loader", [[], ["--bootloader", OPTIBOOT]], ids=["without a loader", "after a reset"])
+def test_shooting_costs_the_simulator_no_more_than_driving(tmp_path: Path, loader: list[str | Path]) -> None:
+    with (
+        avr_robot("--serial", tmp_path / "tty", *loader) as robot,
+        contextlib.closing(SerialHost(robot.uart)) as host,
+    ):
+        start(robot, host)
+
+        def cpu_seconds(shoot: bool) -> float:
+            before = robot.cpu_seconds
+            host.stream(command(1, 0, shoot), 1.5)
+            return robot.cpu_seconds - before
+
+        dark = cpu_seconds(shoot=False)
+        assert cpu_seconds(shoot=True) < 2 * dark

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+import psutil
 import serial
 
 from tests.support.polling import until
@@ -130,6 +131,12 @@ class AvrRobot:
     def now(self) -> int:
         """The cycle that the AVR has reached, 10 ms exact."""
         return self.events[-1].cycles
+
+    @property
+    def cpu_seconds(self) -> float:
+        """CPU time that the program has used."""
+        times = psutil.Process(self.program.process.pid).cpu_times()
+        return times.user + times.system
 
     def let_pass(self, seconds: float) -> None:
         """Wait until the robot has lived `seconds` longer."""

@@ -15,6 +15,8 @@ from tests.support.programs import Program
 def test_a_signal_ends_it_cleanly(server, sig):
     server.robot("a")
     ada = server.player("ada")
+    server.program.process.send_signal(sig)
+    until(lambda: not listening(server.port), 2, "nobody can connect")  # somebody tries to all the time
     assert server.program.stop(sig, seconds=2) == 0
     assert "Traceback" not in server.program.output
     ada.close()
