@@ -1,5 +1,8 @@
 """For the checks of a deployed fleet, real or rehearsed: each runs on every host that it concerns; a table sums up."""
 
+import functools
+import shutil
+import tempfile
 from collections import defaultdict
 from pathlib import Path
 
@@ -10,11 +13,26 @@ from fleet import Fleet
 HOSTS = Path(__file__).parents[2] / "build" / "fleet-hosts.json"  # ansible/check.yml writes it
 
 
+@functools.cache
+def sockets() -> Path:
+    """Where ssh keeps its connections: a short path, which sockets need, and nobody else's."""
+    return Path(tempfile.mkdtemp(prefix="laserbot-"))
+
+
+@functools.cache
+def read_fleet() -> Fleet:
+    return Fleet.read(HOSTS, sockets())
+
+
+def pytest_unconfigure() -> None:
+    shutil.rmtree(sockets())
+
+
 def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     """A test with the argument machine, master or robot runs once for each host of that kind."""
     if not HOSTS.exists():
         raise pytest.UsageError("which hosts to check, ansible/check.yml knows: it runs these tests")
-    machines = [machine for machine in Fleet.read(HOSTS).machines.values() if machine.checked]
+    machines = [machine for machine in read_fleet().machines.values() if machine.checked]
     for argument, group in {"machine": None, "master": "master", "robot": "robots"}.items():
         if argument in metafunc.fixturenames:
             chosen = [machine for machine in machines if group in (None, machine.group)]
@@ -23,7 +41,7 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
 
 @pytest.fixture(scope="session")
 def fleet() -> Fleet:
-    return Fleet.read(HOSTS)
+    return read_fleet()
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

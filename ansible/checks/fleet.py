@@ -37,7 +37,7 @@ class Machine:
 
     @functools.cached_property
     def host(self) -> Host:
-        """The host for testinfra, as root; all share one connection."""
+        """The host for testinfra, as root."""
         return testinfra.get_host(
             f"ssh://{self.user}@{self.address}",
             sudo=True,
@@ -71,10 +71,16 @@ class Fleet:
         self.robots = [machine for machine in self.machines.values() if machine.group == "robots"]
 
     @classmethod
-    def read(cls, file: Path) -> "Fleet":
-        """The fleet that ansible/check.yml has written down; addresses may be names that this machine knows."""
-        hosts = json.loads(file.read_text()).items()
-        return cls(Machine(name, **host | {"address": resolved(host["address"])}) for name, host in hosts)
+    def read(cls, file: Path, sockets: Path) -> "Fleet":
+        """The fleet that ansible/check.yml has written down; addresses may be names that this machine knows.
+
+        All commands to a host share one connection; ssh keeps its socket in the folder `sockets`.
+        """
+        hosts = json.loads(file.read_text())
+        for host in hosts.values():
+            host["address"] = resolved(host["address"])
+            host["ssh"] += f" -o ControlPath={sockets}/%C"
+        return cls(Machine(name, **host) for name, host in hosts.items())
 
     @property
     def web(self) -> str:

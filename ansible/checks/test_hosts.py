@@ -92,7 +92,8 @@ def test_a_host_that_crashes_or_hangs_restarts(machine: Machine) -> None:
 
 def test_ssh_wants_a_key(machine: Machine) -> None:
     """By its settings, and in the words of the one that runs."""
-    log_in = ["ssh", *shlex.split(machine.ssh), "-o", "PreferredAuthentications=none", "-o", "ControlPath=none"]
+    # the first value of an option counts
+    log_in = ["ssh", "-o", "ControlPath=none", *shlex.split(machine.ssh), "-o", "PreferredAuthentications=none"]
     log_in += [f"{machine.user}@{machine.address}", "true"]
     refused = subprocess.run(log_in, capture_output=True, text=True, timeout=20, check=False).stderr
     assert "Permission denied (publickey)." in refused
