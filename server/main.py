@@ -25,7 +25,7 @@ from server.web.app import create_app
 
 _log = logging.getLogger(__name__)
 
-_LAST_REQUESTS = 0.5  # s
+_CLOSE_WITHIN = 0.5  # s
 
 
 def main() -> int:
@@ -47,10 +47,10 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
     game.add_listener(hits.follow)
     game.add_listener(lambda _: alive.touch())
     IdServiceServer(game, roster)
-    sockets: dict[int, wasyncore.dispatcher] = {}
+    channels: dict[int, wasyncore.dispatcher] = {}
     web = waitress.create_server(
         create_app(game, settings),
-        map=sockets,
+        map=channels,
         sockets=[listener],
         threads=8,
         connection_limit=500,
@@ -65,8 +65,8 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
     try:
         yield
     finally:
-        web.trigger.pull_trigger(lambda: wasyncore.close_all(sockets))  # in its thread: it may be accepting now
-        serving.join(_LAST_REQUESTS)
+        web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
+        serving.join(_CLOSE_WITHIN)
         hits.stop()
         game.stop()
 
