@@ -10,6 +10,8 @@ help:
 	@echo 'make images                    the container images; PUSH=host:port, ARCHIVE=file, PLATFORM=linux/arm/v7'
 	@echo 'make fleet [HOSTS=3]           a master and robots as real hosts, deployed over SSH; make fleet-down removes them'
 	@echo 'make fleet-faults              reboots, cuts and kills in that fleet; prints how long it takes to recover'
+	@echo 'make setup                     only installs and builds what the others need'
+	@echo 'make images-lock               newer Debian packages for the images'
 	@echo 'make clean                     removes what was built (not the Debian packages)'
 
 ROBOTS ?= 2

@@ -3,19 +3,20 @@
 import logging
 import socket
 import sys
+import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 import waitress
 from waitress import wasyncore
 
-from laser_bot_battle import alive
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import SERVER_NODE
 from laser_bot_battle.settings import read_or_exit
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.node import Node, parse_arguments
+from server.pulse import Pulse
 from server.ros.hits import Hits
 from server.ros.id_service_server import IdServiceServer
 from server.ros.status import StatusPublisher
@@ -45,7 +46,8 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
     hits = Hits(game)
     game.add_listener(StatusPublisher().publish)
     game.add_listener(hits.follow)
-    game.add_listener(lambda _: alive.touch())
+    pulse = Pulse(listener, node.ending)
+    game.add_listener(pulse.follow)
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
     web = waitress.create_server(
@@ -60,6 +62,7 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
     )
     game.start()
     node.start_thread("hits", hits.run)
+    threading.Thread(target=pulse.run, name="pulse", daemon=True).start()
     serving = node.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.node.bind, settings.node.port)
     try:

@@ -22,6 +22,7 @@ VARIABLES = (
     variables.DATA,
     variables.ROSTER,
     variables.LOG_LEVEL,
+    variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
 )
 

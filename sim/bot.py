@@ -10,9 +10,10 @@ import sys
 import aiohttp
 
 from laser_bot_battle.log import configure_logging
+from laser_bot_battle.names import Game
 from laser_bot_battle.settings import describe, read_or_exit
 from sim.bot_course import Course
-from sim.bot_game import PLAYING, RETRY, Arena, Eyes, GameError, Rosbridge, Status, Web
+from sim.bot_game import RETRY, Arena, Eyes, GameError, Rosbridge, Status, Web
 from sim.bot_mind import NEUTRAL, Command, Mind
 from sim.bot_settings import PREFIX, VARIABLES, Settings, following, is_bot
 from sim.lifecycle import live_until, signalled
@@ -133,13 +134,13 @@ class Bot:
         while True:
             status = rosbridge.status
             me = next((player for player in status.players if player.name == self._name), None) if status else None
-            if status and me and status.game == PLAYING and me.ready and me.life > 0:
+            if status and me and status.game == Game.PLAYING and me.ready and me.life > 0:
                 opponents = {p.robot for p in status.players if p.ready and p.life > 0 and p is not me}
                 await rosbridge.command(self._decide(loop.time(), robot, opponents))
             else:  # rosbridge itself stops a robot whose driver may no longer drive
                 self._mind = None
                 due = loop.time() > next_ready
-                if status and me and due and status.game != PLAYING and me.ready != wants_ready(status):
+                if status and me and due and status.game != Game.PLAYING and me.ready != wants_ready(status):
                     next_ready = loop.time() + READY_PAUSE
                     await self._set_ready(not me.ready)
             await asyncio.sleep(TICK)

@@ -15,7 +15,6 @@ from sim.bot_mind import Command
 
 RETRY = 1.0  # s between attempts to connect
 BLIND_AFTER = 1.0  # s without a state of the arena
-PLAYING = 2  # of GameStatus.msg, whose generated class needs ROS, which a bot does not
 
 _log = logging.getLogger(__name__)
 

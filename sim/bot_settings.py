@@ -4,12 +4,12 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from laser_bot_battle.names import ROBOT_IDS
 from laser_bot_battle.settings import SettingsError
-from laser_bot_battle.variables import ARENA, LOG_LEVEL, MASTER, ROSBRIDGE, WEB
+from laser_bot_battle.variables import ALIVE_FILE, ARENA, LOG_LEVEL, MASTER, ROSBRIDGE, WEB
 
-VARIABLES = (MASTER, WEB, ROSBRIDGE, ARENA, LOG_LEVEL)
+VARIABLES = (MASTER, WEB, ROSBRIDGE, ARENA, LOG_LEVEL, ALIVE_FILE)
 PREFIX = "Bot"  # a bot is called this and a number; players with other names are people
-_ROBOT = re.compile(r"[0-9]{1,3}")
 _NAME = re.compile(PREFIX + r"[0-9]{1,13}")  # at most 16 letters, like every player's
 
 
@@ -38,8 +38,8 @@ class Settings:
         """`rosbridge` and `arena` are "host:port", or on the master. SettingsError for an impossible value."""
         if not is_bot(name):
             raise SettingsError(f"--name {name}: must be {PREFIX} and a number of up to 13 digits")
-        if robot is not None and not _ROBOT.fullmatch(robot):
-            raise SettingsError(f"--robot {robot}: must be the ID of a robot")
+        if robot is not None and robot not in map(str, ROBOT_IDS):
+            raise SettingsError(f"--robot {robot}: must be the ID of a robot, 0 to {max(ROBOT_IDS)}")
         host = master or MASTER.read(env)
         rosbridge = _place("--rosbridge", rosbridge) if rosbridge else f"{host}:{ROSBRIDGE.read(env)}"
         arena = _place("--arena", arena) if arena else f"{host}:{ARENA.read(env)}"
@@ -56,12 +56,12 @@ class Settings:
 def _place(option: str, text: str) -> str:
     """`text` itself, which must be host:port."""
     host, _, port = text.rpartition(":")
+    if not host:
+        raise SettingsError(f"{option} {text}: must be HOST:PORT")
     try:
         WEB.parse(port)  # as every port
     except ValueError as error:
         raise SettingsError(f"{option} {text}: the port {error}") from None
-    if not host:
-        raise SettingsError(f"{option} {text}: must be HOST:PORT")
     return text
 
 

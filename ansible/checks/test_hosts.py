@@ -37,12 +37,12 @@ def test_names_are_known_inside_containers(fleet: Fleet, machine: Machine) -> No
 
 
 def test_names_are_not_waited_for(fleet: Fleet, machine: Machine) -> None:
-    """No DNS server is asked about them: in a LAN without internet it would be silent for seconds, each time."""
+    """No DNS server is asked about them: in a LAN without internet it would be silent for 5 s, each time."""
     name = "laser_bot_master.local" if machine.group == "robots" else f"{fleet.robots[0].name}.local"
     lookups = f"[socket.getaddrinfo('{name}', 1) for _ in range(5)]"
     ask = f"import socket, time; began = time.monotonic(); {lookups}; print(time.monotonic() - began)"
     for where in ("", f"docker exec {machine.services[0]} "):
-        assert float(machine.run(f'{where}python3 -c "{ask}"')) < 2.0, where
+        assert float(machine.run(f'{where}python3 -c "{ask}"')) < 5.0, where
 
 
 def test_the_game_is_announced(fleet: Fleet, machine: Machine) -> None:

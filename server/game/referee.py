@@ -12,8 +12,9 @@ from functools import partial
 from operator import itemgetter
 
 from laser_bot_battle import variables
+from laser_bot_battle.names import Game
 from server.game.robot import Robot, Robots
-from server.game.snapshot import Game, Placing, Player, Snapshot
+from server.game.snapshot import Placing, Player, Snapshot
 from server.game.users import User, Users
 
 

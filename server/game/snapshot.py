@@ -1,15 +1,8 @@
 """The state of the battle as everyone but its owner sees it: immutable."""
 
 from dataclasses import dataclass, field
-from enum import IntEnum
 
-
-class Game(IntEnum):
-    """The states of the game, as on the wire."""
-
-    STOPPED = 0
-    COUNTDOWN = 1
-    PLAYING = 2
+from laser_bot_battle.names import Game
 
 
 @dataclass(frozen=True, slots=True)

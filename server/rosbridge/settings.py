@@ -15,6 +15,7 @@ VARIABLES = (
     variables.OPERATOR_TOKEN,
     variables.OPERATOR_TOKEN_FILE,
     variables.LOG_LEVEL,
+    variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
 )
 

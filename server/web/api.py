@@ -13,10 +13,10 @@ from typing import Any, NoReturn
 from flask import Blueprint, Response, abort, make_response, request
 from jinja2.utils import htmlsafe_json_dumps
 
-from laser_bot_battle.names import SESSION_COOKIE, session_digest
+from laser_bot_battle.names import SESSION_COOKIE, Game, session_digest
 from server.game.loop import GameLoop
 from server.game.referee import Verdict
-from server.game.snapshot import Game, Snapshot
+from server.game.snapshot import Snapshot
 from server.game.users import AVATARS, is_valid_name
 
 _log = logging.getLogger(__name__)

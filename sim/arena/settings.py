@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from laser_bot_battle.variables import ARENA, ARENA_LINK, BIND, LOG_LEVEL
+from laser_bot_battle.variables import ALIVE_FILE, ARENA, ARENA_LINK, BIND, LOG_LEVEL
 
-VARIABLES = (BIND, ARENA, ARENA_LINK, LOG_LEVEL)
+VARIABLES = (BIND, ARENA, ARENA_LINK, LOG_LEVEL, ALIVE_FILE)
 
 
 @dataclass(frozen=True)

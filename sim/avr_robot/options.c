@@ -56,7 +56,7 @@ static struct address parse_address(const char *option, const char *text, const 
 	const size_t port_length = strlen(port);
 	if (port_length == 0 || port_length >= sizeof address.port || strspn(port, "0123456789") != port_length ||
 	    strtol(port, NULL, 10) > 65535)
-		refuse("%s %s: the port must be a number up to 65535", option, text);
+		refuse("%s %s: the port must be a whole number up to 65535", option, text);
 	memcpy(address.host, host, host_length);
 	memcpy(address.port, port, port_length);
 	return address;

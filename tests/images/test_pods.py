@@ -14,7 +14,7 @@ import yaml
 
 from tests.support.manifests import Manifests, overlay
 from tests.support.play import PLAYING, shoot_to_the_end
-from tests.support.player import Eyes, Player
+from tests.support.player import Eyes, Player, players_and_free_robots
 from tests.support.pods import ClusterBattle, Pod, free_node_ports
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -87,6 +87,12 @@ def test_after_a_crash_of_ros_everything_comes_back_by_restarts_alone(battle: Cl
 
     until(all_again, 60, "web and rosbridge end by themselves")
     battle.wait_until_ready(120)
+
+    def bot_and_a_robot_are_there() -> bool:  # who is ready has not registered with the new master yet
+        players, free = players_and_free_robots(battle) or ([], 0)
+        return [name for name, _ in players] == ["Bot1"] and free == 1
+
+    until(bot_and_a_robot_are_there, 60, "a new battle can begin")
     with Player(battle, "Bea") as bea:
         assert bea.ready() == "OK"
         bea.wait_for_game(PLAYING, 60)

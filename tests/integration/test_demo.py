@@ -1,6 +1,5 @@
 """`ci/demo` as a user meets it: what it says, what it refuses, and that nothing is left behind."""
 
-import json
 import os
 import signal
 import socket
@@ -10,7 +9,7 @@ import requests
 
 from tests.support.battle import PORTS, Battle, command_line, descendants
 from tests.support.play import PLAYING, obeys, reconnect, start
-from tests.support.player import Eyes, Player
+from tests.support.player import Eyes, Player, players_and_free_robots
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
@@ -85,16 +84,6 @@ def test_a_killed_demo_takes_its_processes_with_it() -> None:
         30,
         "all processes of the killed demo are gone",
     )
-
-
-def players_and_free_robots(battle: Battle) -> tuple[list[tuple[str, int]], int] | None:
-    """Who drives which robot, and how many are left; None while the server is away."""
-    try:
-        users = requests.post(f"{battle.web}/updateGameStatus", timeout=5).json()["users"]
-        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"]
-    except requests.RequestException:
-        return None
-    return [(user["name"], user["robot"]) for user in json.loads(users)], free
 
 
 def test_everybody_finds_the_way_back_after_the_ros_master_is_killed_in_a_battle() -> None:

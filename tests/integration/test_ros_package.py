@@ -8,9 +8,8 @@ from pathlib import Path
 import pytest
 
 from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
+from laser_bot_battle.names import Game
 from laser_bot_battle.srv import AddNewRobot
-from server.game.snapshot import Game
-from sim import bot_game
 from tests.support.programs import ROOT
 
 
@@ -22,7 +21,6 @@ def test_md5_sums_are_those_of_the_contract() -> None:
 def test_the_states_of_the_game_have_the_messages_numbers() -> None:
     constants = (GameStatus.STOPPED, GameStatus.COUNTDOWN, GameStatus.PLAYING)
     assert constants == (Game.STOPPED, Game.COUNTDOWN, Game.PLAYING)
-    assert bot_game.PLAYING == GameStatus.PLAYING
     page = (ROOT / "server" / "static" / "js" / "state.js").read_text()
     assert tuple(map(int, re.findall(r"^export const (?:STOPPED|COUNTDOWN|PLAYING) = (\d);", page, re.M))) == constants
 

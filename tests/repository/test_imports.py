@@ -36,3 +36,11 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
 
 def test_no_import_is_for_the_type_checker_only() -> None:
     assert not [name for name, tree in modules().items() if "typing.TYPE_CHECKING" in imports(tree)]
+
+
+def test_master_and_robot_share_nothing_but_the_contract_and_nobody_needs_the_simulation() -> None:
+    forbidden = {"server": {"robot", "sim"}, "robot": {"server", "sim"}, "sim": {"server", "robot"}}
+    forbidden["laser_bot_battle"] = set(forbidden)
+    for name, tree in modules().items():
+        rooms = {imported.split(".")[0] for imported in imports(tree)}
+        assert not rooms & forbidden[name.split(".")[0]], name

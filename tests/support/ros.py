@@ -41,7 +41,7 @@ class RosMaster:
         until(lambda: listening(self.port), 10, "the ROS master")
 
     def stop(self) -> None:
-        """All that it knew is lost; start() begins anew on the same port."""
+        """All that it knew is lost; start() begins again on the same port."""
         if self._program is not None:
             self._program.stop()
             self._program = None

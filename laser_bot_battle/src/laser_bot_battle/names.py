@@ -1,7 +1,9 @@
-"""The names and ports by which the parts of the system find each other: the contract (docs/protocol-ros.md)."""
+"""The names and ports by which the parts of the system find each other: the contract (docs/protocol-ros.md,
+docs/protocol-browser.md)."""
 
 import hashlib
 import re
+from enum import IntEnum
 
 MASTER_HOST = "laser_bot_master.local"
 WEB_PORT = 5000
@@ -18,6 +20,14 @@ ROBOT_IDS = range(128)  # what fits the int8 of AddNewRobot.srv
 SESSION_COOKIE = "laserbot_session"
 
 _CLIENT = "/id_service_client_"
+
+
+class Game(IntEnum):
+    """The states of the game, as the constants of GameStatus.msg, whose generated class needs ROS."""
+
+    STOPPED = 0
+    COUNTDOWN = 1
+    PLAYING = 2
 
 
 def robot_node(robot_id: int) -> str:

@@ -73,7 +73,7 @@ ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
 ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
 COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
-BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends undecided")
+BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then the most life wins")
 PLAYER_TIMEOUT = number(
     "LASERBOT_PLAYER_TIMEOUT", 15, 1, 86400, "seconds without a sign of life until a player is signed out"
 )

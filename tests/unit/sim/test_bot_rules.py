@@ -5,7 +5,7 @@ import pytest
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.settings import SettingsError
 from sim.bot import wants_ready
-from sim.bot_game import PLAYING, Player, Status
+from sim.bot_game import Player, Status
 from sim.bot_settings import Settings, following
 
 
@@ -28,7 +28,7 @@ def test_it_is_not_ready_without_a_ready_human(players: dict[str, bool]) -> None
 def test_a_status_is_read_from_rosbridge() -> None:
     user = {"name": "Ann", "robot": 3, "life": 90, "ready": True, "avatar": 0, "place": 0, "left": False, "session": ""}
     message = {"game": GameStatus.PLAYING, "users": [user], "result": []}
-    assert Status.from_message(message) == Status(PLAYING, (Player("Ann", 3, 90, True),))
+    assert Status.from_message(message) == Status(GameStatus.PLAYING, (Player("Ann", 3, 90, True),))
 
 
 def test_taken_names_are_counted_on() -> None:
