@@ -93,7 +93,7 @@ class Node:
     def fail(self, reason: str) -> None:
         """End the program so that its supervisor starts it again. From any thread."""
         if not self.ending.is_set():
-            _log.error("%s: ending, to be started again", reason)
+            _log.error("%s: the program ends and is started again", reason)
             self._exit_code = 1
             self.ending.set()
 

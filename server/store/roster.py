@@ -46,7 +46,7 @@ class Roster:
             try:
                 self.path.replace(broken)
             except OSError as failure:
-                _log.error("cannot keep it as %s: %s", broken, failure)
+                _log.error("cannot rename it to %s: %s", broken, failure)
             return {}
 
     def save(self, ids: dict[str, int]) -> None:

@@ -44,9 +44,9 @@ class Services(Capability):
             raise RequestError(f"the field 'timeout' must be a number, not {brief(timeout)}")
         seconds = min(float(timeout), MAX_TIMEOUT) if timeout is not None and timeout > 0 else DEFAULT_TIMEOUT
         if request.optional_text("compression", "none") != "none":
-            raise RequestError("no compression is supported, only none")
+            raise RequestError("compression is not supported; use none")
         if self._under_way >= MAX_CALLS:
-            raise RequestError(f"{MAX_CALLS} service calls of this client are under way already")
+            raise RequestError(f"{MAX_CALLS} service calls of this client are running already")
         self._under_way += 1
 
         def done(values: dict[str, Any] | None, reason: str, now: float) -> list[Effect]:

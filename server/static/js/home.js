@@ -143,7 +143,7 @@ class Game {
       dialogs.show({
         kind: "warning",
         title: "Sign out?",
-        text: "Your robot becomes free for others. If a battle is running, you give up.",
+        text: "Your robot becomes free for others. If a battle is running, you lose your place in it.",
         ok: "Sign out",
         cancel: "Cancel",
       }),

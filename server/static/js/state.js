@@ -157,7 +157,7 @@ export function connectionState(bridge, web) {
     return {
       level: "bad",
       text: "Reconnecting...",
-      banner: "The server does not answer. The page keeps trying; your robot is kept for you for a while.",
+      banner: "The server does not answer. The page keeps trying; your robot stays yours for a while.",
     };
   }
   if (!bridge) {

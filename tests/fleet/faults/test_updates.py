@@ -244,7 +244,7 @@ def test_one_that_is_lost_keeps_the_update_from_the_next(
         run.finish(check=False)
     finally:
         power_on(first)
-    assert f"{first.name} failed or is lost" in run.output
+    assert f"{first.name} failed or cannot be reached" in run.output
     assert images([third]) == old[2:]
     rehearsal.wait_until_complete()
     rehearsal.playbook("rollback")

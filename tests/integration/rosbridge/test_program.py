@@ -115,7 +115,7 @@ def test_it_fails_when_the_master_was_restarted_so_that_it_is_started_again(own_
     own_master.stop()
     own_master.start()
     assert rosbridge.program.process.wait(10) == 1
-    assert "to be started again" in rosbridge.program.output
+    assert "is started again" in rosbridge.program.output
     assert "Traceback" not in rosbridge.program.output
 
 
