@@ -18,7 +18,7 @@ AVR_ROBOT += ["--tcp", "0.0.0.0:8082", "--arena", "arena:8081"]
 BOT = ["python3", "-m", "sim.bot", "--rosbridge", "rosbridge:9090", "--arena", "arena:8080"]
 
 
-class Battle:
+class Programs:
     """The containers of one test by their names in the network."""
 
     def __init__(self, stack: ExitStack, version: str, network: str) -> None:
@@ -39,9 +39,9 @@ class Battle:
 
 
 @pytest.fixture
-def battle(version: str, network: str) -> Iterator[Battle]:
+def programs(version: str, network: str) -> Iterator[Programs]:
     with ExitStack() as stack:
-        yield Battle(stack, version, network)
+        yield Programs(stack, version, network)
 
 
 def check_end(container: Container, platform: str) -> None:
@@ -55,9 +55,9 @@ def check_end(container: Container, platform: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("platform", MASTER_PLATFORMS)
 def test_the_masters_three_services_become_healthy_and_end_quickly(
-    battle: Battle, platform: str, figures: list[str]
+    programs: Programs, platform: str, figures: list[str]
 ) -> None:
-    containers = battle.start_master(platform)
+    containers = programs.start_master(platform)
     took = [container.wait_until_healthy() for container in containers]
     figures.append(f"webserver {platform}: ROS master, web server, rosbridge healthy after {max(took):.1f} s")
     for container in reversed(containers):
@@ -79,12 +79,14 @@ def test_a_ros_master_whose_port_another_one_has_is_not_healthy(version: str) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize("platform", ROBOT_PLATFORMS)
-def test_a_robot_joins_the_battle_with_its_firmware_inside(battle: Battle, platform: str, figures: list[str]) -> None:
-    _, web, _ = battle.start_master("linux/amd64")
-    uart = battle.start("sim", "linux/amd64", "uart", *AVR_ROBOT)
+def test_a_robot_joins_the_battle_with_its_firmware_inside(
+    programs: Programs, platform: str, figures: list[str]
+) -> None:
+    _, web, _ = programs.start_master("linux/amd64")
+    uart = programs.start("sim", "linux/amd64", "uart", *AVR_ROBOT)
     web.wait_until_healthy()
     uart.wait_until_healthy()
-    robot = battle.start(
+    robot = programs.start(
         "rosberry", platform, "robot", LASERBOT_SERIAL="socket://uart:8082", LASERBOT_ROBOT_NAME="virtual0"
     )
     figures.append(f"rosberry {platform}: robot healthy after {robot.wait_until_healthy(240):.1f} s")
@@ -97,12 +99,14 @@ def test_a_robot_joins_the_battle_with_its_firmware_inside(battle: Battle, platf
 
 @pytest.mark.slow
 @pytest.mark.parametrize("platform", ROBOT_PLATFORMS)
-def test_the_arena_a_virtual_robot_and_a_bot_become_healthy(battle: Battle, platform: str, figures: list[str]) -> None:
-    _, web, _ = battle.start_master("linux/amd64")
+def test_the_arena_a_virtual_robot_and_a_bot_become_healthy(
+    programs: Programs, platform: str, figures: list[str]
+) -> None:
+    _, web, _ = programs.start_master("linux/amd64")
     web.wait_until_healthy()
-    arena = battle.start("sim", platform, "arena")
-    uart = battle.start("sim", platform, "uart", *AVR_ROBOT)
-    bot = battle.start("sim", platform, "bot", *BOT)
+    arena = programs.start("sim", platform, "arena")
+    uart = programs.start("sim", platform, "uart", *AVR_ROBOT)
+    bot = programs.start("sim", platform, "bot", *BOT)
     containers = [arena, uart, bot]
     took = [container.wait_until_healthy() for container in containers]
     figures.append(f"sim {platform}: arena, virtual robot, bot healthy after {max(took):.1f} s")

@@ -5,8 +5,8 @@ import json
 import shlex
 import threading
 from collections.abc import Callable, Iterator
-from pathlib import Path
 
+import psutil
 import pytest
 
 from fleet import Machine
@@ -63,9 +63,7 @@ def command_lines() -> Iterator[set[str]]:
 
     def look() -> None:
         while not over.wait(0.1):
-            for file in Path("/proc").glob("[0-9]*/cmdline"):
-                with contextlib.suppress(OSError):
-                    seen.add(file.read_text(errors="replace"))
+            seen.update("\0".join(process.info["cmdline"] or ()) for process in psutil.process_iter(["cmdline"]))
 
     thread = threading.Thread(target=look)
     thread.start()

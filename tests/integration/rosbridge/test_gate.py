@@ -18,13 +18,13 @@ Connect = Callable[..., Client]
 
 
 @pytest.fixture
-def battle(ros: RosSide, client: Connect) -> Iterator["Battle"]:
+def duel(ros: RosSide, client: Connect) -> Iterator["Duel"]:
     """al and bo fight with robots 0 and 1, and both robots listen."""
-    yield Battle(ros, client)
+    yield Duel(ros, client)
     ros.status(STOPPED)
 
 
-class Battle:
+class Duel:
     def __init__(self, ros: RosSide, client: Connect) -> None:
         self.ros = ros
         self.watcher = client()
@@ -66,41 +66,41 @@ class Battle:
         until(lambda: self.heard(robot) == list(commands), 5, f"{commands}, not {self.heard(robot)}")
 
 
-def test_players_drive_their_own_robots(battle: Battle, client: Connect) -> None:
+def test_players_drive_their_own_robots(duel: Duel, client: Connect) -> None:
     al, bo = client("token-of-al"), client("token-of-bo")
-    battle.ready(al, 0)
-    battle.ready(bo, 1)
+    duel.ready(al, 0)
+    duel.ready(bo, 1)
     turn = {"linear_x": 0, "angular_z": -1, "shoot": True}
     al.drive(0)
     bo.drive(1, turn)
-    battle.robot_hears(0, FORWARD)
-    battle.robot_hears(1, turn)
+    duel.robot_hears(0, FORWARD)
+    duel.robot_hears(1, turn)
 
 
 def test_a_client_may_be_quicker_than_the_news_of_its_player(
-    battle: Battle, client: Connect, ros_master: RosMaster
+    duel: Duel, client: Connect, ros_master: RosMaster
 ) -> None:
     with_cookie, with_auth = client("token-of-cy"), client()
     with_cookie.advertise(2)
     with_auth.say("auth", client="di", mac="token-of-di")
     with_auth.advertise(3)
-    battle.says(STOPPED, player("cy", "token-of-cy", 2), player("di", "token-of-di", 3))
+    duel.says(STOPPED, player("cy", "token-of-cy", 2), player("di", "token-of-di", 3))
     master = Master(ros_master.uri, "/test")
     until(lambda: {"/Robot2/command", "/Robot3/command"} <= {topic for topic, _ in master.call("getSystemState")[0]})
 
 
-def test_no_player_drives_the_robot_of_another(battle: Battle, client: Connect) -> None:
+def test_no_player_drives_the_robot_of_another(duel: Duel, client: Connect) -> None:
     al, bo = client("token-of-al"), client("token-of-bo")
-    battle.ready(al, 0)
+    duel.ready(al, 0)
     bo.say("advertise", topic="/Robot0/command", type=COMMAND_TYPE, id="a1")
     assert bo.hear()["id"] == "a1"
     bo.drive(0)
     assert "bo may publish on /Robot1/command only" in bo.hear_error()
     al.drive(0)
-    battle.robot_hears(0, FORWARD)
+    duel.robot_hears(0, FORWARD)
 
 
-def test_guests_only_watch(battle: Battle, client: Connect) -> None:
+def test_guests_only_watch(duel: Duel, client: Connect) -> None:
     guest = client()
     guest.drive(0)
     assert "only signed-in players and operators may publish" in guest.hear_error()
@@ -114,7 +114,7 @@ def test_guests_only_watch(battle: Battle, client: Connect) -> None:
     assert guest.hear_status(PLAYING)["users"][0]["name"] == "al"
 
 
-def test_a_held_key_that_is_refused_is_told_so_once_a_second(battle: Battle, client: Connect) -> None:
+def test_a_held_key_that_is_refused_is_told_so_once_a_second(duel: Duel, client: Connect) -> None:
     guest = client()
     for _ in range(20):
         guest.drive(0)
@@ -123,31 +123,31 @@ def test_a_held_key_that_is_refused_is_told_so_once_a_second(battle: Battle, cli
     assert guest.hear()["id"] == "end"
 
 
-def test_the_cookie_counts_only_from_pages_of_this_host(battle: Battle, client: Connect) -> None:
+def test_the_cookie_counts_only_from_pages_of_this_host(duel: Duel, client: Connect) -> None:
     ours = client("token-of-al", Origin="http://127.0.0.1:5000")
-    battle.ready(ours, 0)
+    duel.ready(ours, 0)
     theirs = client("token-of-al", Origin="http://evil.example")
     theirs.drive(0)
     assert "only signed-in players" in theirs.hear_error()
 
 
-def test_a_client_without_cookie_authenticates(battle: Battle, client: Connect) -> None:
+def test_a_client_without_cookie_authenticates(duel: Duel, client: Connect) -> None:
     al = client()
     al.say("auth", client="al", mac="token-of-al", dest="", rand="", t=0, level="", end=0)
-    battle.ready(al, 0)
+    duel.ready(al, 0)
     al.drive(0)
-    battle.robot_hears(0, FORWARD)
+    duel.robot_hears(0, FORWARD)
 
 
-def test_who_authenticates_before_rosbridge_knows_of_the_sign_up_is_let_in(battle: Battle, client: Connect) -> None:
+def test_who_authenticates_before_rosbridge_knows_of_the_sign_up_is_let_in(duel: Duel, client: Connect) -> None:
     cy = client()
     cy.say("auth", client="cy", mac="token-of-cy")
-    battle.says(PLAYING, AL, BO, player("cy", "token-of-cy", 2))
-    battle.seen[2] = 0
-    battle.ready(cy, 2)
+    duel.says(PLAYING, AL, BO, player("cy", "token-of-cy", 2))
+    duel.seen[2] = 0
+    duel.ready(cy, 2)
 
 
-def test_a_wrong_token_changes_nothing(battle: Battle, client: Connect) -> None:
+def test_a_wrong_token_changes_nothing(duel: Duel, client: Connect) -> None:
     al = client("token-of-al")
     al.say("auth", client="al", mac="guess", id=5)
     answer = al.hear()
@@ -157,17 +157,17 @@ def test_a_wrong_token_changes_nothing(battle: Battle, client: Connect) -> None:
     assert "no player has this name" in al.hear_error()
     al.operate("guess")
     assert "no player has this name" in al.hear_error()
-    battle.says(PLAYING, AL, BO)  # again: meanwhile the referee was silent for too long
-    battle.ready(al, 0)
+    duel.says(PLAYING, AL, BO)  # again: meanwhile the referee was silent for too long
+    duel.ready(al, 0)
 
 
-def test_operators_drive_at_any_time(battle: Battle, client: Connect) -> None:
-    battle.says(STOPPED)
+def test_operators_drive_at_any_time(duel: Duel, client: Connect) -> None:
+    duel.says(STOPPED)
     operator = client().operate()
     operator.advertise(1)
-    battle.ready(operator, 1)
+    duel.ready(operator, 1)
     operator.drive(1)
-    battle.robot_hears(1, FORWARD)
+    duel.robot_hears(1, FORWARD)
 
 
 @pytest.mark.parametrize(
@@ -182,86 +182,86 @@ def test_operators_drive_at_any_time(battle: Battle, client: Connect) -> None:
     ids=["end of the battle", "death", "not ready", "signed out", "another robot"],
 )
 def test_the_robot_stops_when_the_right_to_drive_ends(
-    battle: Battle, client: Connect, game: int, al: dict[str, object], reason: str
+    duel: Duel, client: Connect, game: int, al: dict[str, object], reason: str
 ) -> None:
     driver = client("token-of-al")
-    battle.ready(driver, 0)
+    duel.ready(driver, 0)
     driver.drive(0)
-    battle.robot_hears(0, FORWARD)
-    battle.ros.status(game, al, BO)
-    battle.robot_hears(0, FORWARD, NEUTRAL)
+    duel.robot_hears(0, FORWARD)
+    duel.ros.status(game, al, BO)
+    duel.robot_hears(0, FORWARD, NEUTRAL)
     driver.drive(0)
     assert reason in driver.hear_error()
-    assert battle.heard(0) == [FORWARD, NEUTRAL]
+    assert duel.heard(0) == [FORWARD, NEUTRAL]
 
 
-def test_the_robot_stops_when_the_socket_closes(battle: Battle, client: Connect) -> None:
+def test_the_robot_stops_when_the_socket_closes(duel: Duel, client: Connect) -> None:
     al, bo = client("token-of-al"), client("token-of-bo")
-    battle.ready(al, 0)
-    battle.ready(bo, 1)
+    duel.ready(al, 0)
+    duel.ready(bo, 1)
     al.drive(0)
     bo.drive(1)
-    battle.robot_hears(0, FORWARD)
+    duel.robot_hears(0, FORWARD)
     al.close()
-    battle.robot_hears(0, FORWARD, NEUTRAL)
-    battle.robot_hears(1, FORWARD)
+    duel.robot_hears(0, FORWARD, NEUTRAL)
+    duel.robot_hears(1, FORWARD)
 
 
-def test_the_robot_stops_when_the_browser_dies(battle: Battle, client: Connect) -> None:
+def test_the_robot_stops_when_the_browser_dies(duel: Duel, client: Connect) -> None:
     al = client("token-of-al")
-    battle.ready(al, 0)
+    duel.ready(al, 0)
     al.drive(0)
-    battle.robot_hears(0, FORWARD)
+    duel.robot_hears(0, FORWARD)
     al.socket.socket.shutdown(socket.SHUT_RDWR)
-    battle.robot_hears(0, FORWARD, NEUTRAL)
+    duel.robot_hears(0, FORWARD, NEUTRAL)
 
 
-def test_a_standing_robot_is_not_stopped_again(battle: Battle, client: Connect) -> None:
+def test_a_standing_robot_is_not_stopped_again(duel: Duel, client: Connect) -> None:
     al = client("token-of-al")
-    battle.ready(al, 0)
+    duel.ready(al, 0)
     al.drive(0)
     al.drive(0, NEUTRAL)
     al.close()
     again = client("token-of-al")
     again.drive(0)
-    battle.robot_hears(0, FORWARD, NEUTRAL, FORWARD)
+    duel.robot_hears(0, FORWARD, NEUTRAL, FORWARD)
 
 
-def test_a_second_window_that_closes_does_not_stop_the_first(battle: Battle, client: Connect) -> None:
+def test_a_second_window_that_closes_does_not_stop_the_first(duel: Duel, client: Connect) -> None:
     first, second = client("token-of-al"), client("token-of-al")
-    battle.ready(second, 0)
-    battle.ready(first, 0)
+    duel.ready(second, 0)
+    duel.ready(first, 0)
     second.drive(0)
-    battle.robot_hears(0, FORWARD)
+    duel.robot_hears(0, FORWARD)
     first.drive(0)
-    battle.robot_hears(0, FORWARD, FORWARD)
+    duel.robot_hears(0, FORWARD, FORWARD)
     second.close()
     first.drive(0)
-    battle.robot_hears(0, FORWARD, FORWARD, FORWARD)
+    duel.robot_hears(0, FORWARD, FORWARD, FORWARD)
 
 
-def test_the_robot_stops_when_its_driver_no_longer_advertises(battle: Battle, client: Connect) -> None:
+def test_the_robot_stops_when_its_driver_no_longer_advertises(duel: Duel, client: Connect) -> None:
     al = client("token-of-al")
-    battle.ready(al, 0)
+    duel.ready(al, 0)
     al.drive(0)
     al.say("unadvertise", topic="/Robot0/command")
-    battle.robot_hears(0, FORWARD, NEUTRAL)
+    duel.robot_hears(0, FORWARD, NEUTRAL)
 
 
-def test_the_robot_stops_when_the_referee_falls_silent(battle: Battle, client: Connect) -> None:
+def test_the_robot_stops_when_the_referee_falls_silent(duel: Duel, client: Connect) -> None:
     al = client("token-of-al")
-    battle.ready(al, 0)
+    duel.ready(al, 0)
     al.drive(0)
-    battle.robot_hears(0, FORWARD, NEUTRAL)
+    duel.robot_hears(0, FORWARD, NEUTRAL)
     al.drive(0)
     assert "nothing heard from the referee" in al.hear_error()
 
 
-def test_a_command_that_is_none_is_refused_and_changes_nothing(battle: Battle, client: Connect) -> None:
+def test_a_command_that_is_none_is_refused_and_changes_nothing(duel: Duel, client: Connect) -> None:
     al = client("token-of-al")
-    battle.ready(al, 0)
+    duel.ready(al, 0)
     for bad in ({"linear_x": 200}, {"linear_x": "1"}, {"shoot": 1}, {"speed": 1}, [1, 0, False], None):
         al.drive(0, bad)  # type: ignore[arg-type]
         al.hear_error()
     al.drive(0)
-    battle.robot_hears(0, FORWARD)
+    duel.robot_hears(0, FORWARD)
