@@ -74,7 +74,7 @@ def test_a_wrong_value_in_the_kustomization_is_named_by_the_program(
     ("name", "words"),
     [
         ("robot", "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB): must be a whole number"),
-        ("arduino", "--arena $(ARENA_SERVICE_HOST):$(ARENA_SERVICE_PORT_LINK): the port must be a number"),
+        ("arduino", "--arena $(ARENA_SERVICE_HOST):$(ARENA_SERVICE_PORT_LINK): the port must be a whole number"),
     ],
 )
 def test_a_pod_without_the_services_says_which_address_is_missing(name: str, words: str) -> None:

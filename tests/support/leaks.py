@@ -46,7 +46,9 @@ def present(folder: Path) -> set[str]:
         for connection in psutil.Process().net_connections("tcp")
         if connection.status == psutil.CONN_LISTEN
     }
-    return threads | listening | children() | {f"file {path}" for path in folder.iterdir()}
+    # Chromium's own are gone with the browser of a module
+    files = {f"file {path}" for path in folder.iterdir() if not path.name.startswith(".org.chromium.")}
+    return threads | listening | children() | files
 
 
 def children() -> set[str]:
