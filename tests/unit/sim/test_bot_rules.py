@@ -65,6 +65,8 @@ def test_rosbridge_and_the_arena_may_be_elsewhere() -> None:
         ({}, {"arena": "host"}),
         ({}, {"arena": "host:door"}),
         ({}, {"arena": ":80"}),
+        ({}, {"robot": "128"}),
+        ({}, {"robot": "-1"}),
     ],
     ids=str,
 )
