@@ -3,7 +3,6 @@
 import logging
 import socket
 import sys
-import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -46,8 +45,6 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
     hits = Hits(game)
     game.add_listener(StatusPublisher().publish)
     game.add_listener(hits.follow)
-    pulse = Pulse(listener, node.ending)
-    game.add_listener(pulse.follow)
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
     web = waitress.create_server(
@@ -60,18 +57,18 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
         asyncore_use_poll=True,  # select() ends at 1024 files
         max_request_body_size=1 << 20,  # what the application then refuses politely
     )
+    game.add_listener(Pulse(web).follow)
     game.start()
     node.start_thread("hits", hits.run)
-    threading.Thread(target=pulse.run, name="pulse", daemon=True).start()
     serving = node.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.node.bind, settings.node.port)
     try:
         yield
     finally:
+        game.stop()
         web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
         serving.join(_CLOSE_WITHIN)
         hits.stop()
-        game.stop()
 
 
 if __name__ == "__main__":

@@ -34,16 +34,6 @@ class Place(Protocol):
     def view(self) -> str: ...
 
 
-def players_and_free_robots(battle: Place) -> tuple[list[tuple[str, int]], int] | None:
-    """Who drives which robot, and how many are left; None while the server is away."""
-    try:
-        users = requests.post(f"{battle.web}/updateGameStatus", timeout=5).json()["users"]
-        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"]
-    except requests.RequestException:
-        return None
-    return [(user["name"], user["robot"]) for user in json.loads(users)], free
-
-
 class Bridge(Protocol):
     """A client of rosbridge that drives one robot and watches /game_status."""
 
@@ -151,6 +141,16 @@ class Player:
         with contextlib.suppress(requests.ConnectionError):  # the battle is over
             self.post("signOutUser", data=self.name)
         self.http.close()
+
+
+def players_and_free_robots(battle: Place) -> tuple[list[tuple[str, int]], int] | None:
+    """Who drives which robot, and how many are left; None while the server is away."""
+    try:
+        users = requests.post(f"{battle.web}/updateGameStatus", timeout=5).json()["users"]
+        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"]
+    except requests.RequestException:
+        return None
+    return [(user["name"], user["robot"]) for user in json.loads(users)], free
 
 
 class Eyes:

@@ -1,91 +1,106 @@
+import contextlib
 import socket
 import threading
-import time
 from collections.abc import Callable, Iterator
-from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
 import pytest
+import waitress
+from waitress import wasyncore
+from waitress.server import BaseWSGIServer
 
 from laser_bot_battle import alive
-from server import pulse
+from server.pulse import Pulse
 from tests.support.polling import until
 
-PERIOD = 0.02  # s
-
-
-class Web(HTTPServer):
-    """A web server that answers with `status`."""
-
-    status = 200
-
-
-class Page(BaseHTTPRequestHandler):
-    server: Web
-
-    def do_GET(self) -> None:
-        self.send_response(self.server.status)
-        self.end_headers()
-
-    def log_message(self, *_: object) -> None:
-        pass
+WORKERS = 2
 
 
 @pytest.fixture
-def start(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[socket.socket], pulse.Pulse]]:
-    """Starts the pulse of a web server; its signs are in tmp_path / "alive"."""
-    monkeypatch.setenv("LASERBOT_ALIVE_FILE", str(tmp_path / "alive"))
-    monkeypatch.setattr(alive, "PERIOD", PERIOD)
-    monkeypatch.setattr(pulse, "_TIMEOUT", PERIOD)
-    ending = threading.Event()
-    threads = []
-
-    def begin(listener: socket.socket) -> pulse.Pulse:
-        beat = pulse.Pulse(listener, ending)
-        threads.append(threading.Thread(target=beat.run))
-        threads[-1].start()
-        return beat
-
-    yield begin
-    ending.set()
-    for thread in threads:
-        thread.join()
-
-
-@pytest.fixture
-def web() -> Iterator[Web]:
-    with Web(("127.0.0.1", 0), Page) as server:
-        thread = threading.Thread(target=server.serve_forever, args=(0.01,))
-        thread.start()
-        yield server
-        server.shutdown()
-        thread.join()
-
-
-def gives_no_sign(file: Path) -> bool:
-    deadline = time.monotonic() + 10 * PERIOD
-    until(lambda: time.monotonic() > deadline or file.exists())
-    return not file.exists()
-
-
-def test_a_sign_of_life_needs_the_game_and_the_pages(
-    web: Web, start: Callable[[socket.socket], pulse.Pulse], tmp_path: Path
-) -> None:
+def alive_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     file = tmp_path / "alive"
-    beat = start(web.socket)
-    assert gives_no_sign(file), "the game has not gone on"
-    beat.follow(None)
-    until(file.exists)
-    file.unlink()
-    assert gives_no_sign(file), "the game has not gone on since"
-    web.status = 500
-    beat.follow(None)
-    assert gives_no_sign(file), "the pages fail"
-    web.status = 200
-    until(file.exists)
+    monkeypatch.setenv("LASERBOT_ALIVE_FILE", str(file))
+    monkeypatch.setattr(alive, "PERIOD", 0.0)
+    return file
 
 
-def test_a_web_server_that_hangs_gives_none(start: Callable[[socket.socket], pulse.Pulse], tmp_path: Path) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as listener:
-        start(listener).follow(None)
-        assert gives_no_sign(tmp_path / "alive")
+@pytest.fixture
+def held() -> Iterator[threading.Event]:
+    """Pages are served when it is set."""
+    event = threading.Event()
+    yield event
+    event.set()
+
+
+@pytest.fixture
+def web(held: threading.Event) -> Iterator[BaseWSGIServer]:
+    """A web server for three connections whose loop is not started yet."""
+
+    def page(_environ: object, start_response: Callable[..., object]) -> list[bytes]:
+        held.wait()
+        start_response("200 OK", [])
+        return [b""]
+
+    channels: dict[int, wasyncore.dispatcher] = {}
+    server = waitress.create_server(page, map=channels, listen="127.0.0.1:0", threads=WORKERS, connection_limit=5)
+    yield server
+    held.set()
+    server.task_dispatcher.shutdown()
+    wasyncore.close_all(channels)
+
+
+@pytest.fixture
+def serve(web: BaseWSGIServer) -> Iterator[Callable[[], None]]:
+    """Starts the loop of `web`."""
+    thread = threading.Thread(target=web.run)
+    yield thread.start
+    web.trigger.pull_trigger(lambda: wasyncore.close_all(web._map))
+    thread.join()
+
+
+def ask(web: BaseWSGIServer) -> socket.socket:
+    client = socket.create_connection(web.socket.getsockname())
+    client.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n")
+    return client
+
+
+def test_a_sign_of_life_needs_the_game_and_the_web_servers_loop(
+    web: BaseWSGIServer, serve: Callable[[], None], held: threading.Event, alive_file: Path
+) -> None:
+    held.set()
+    pulse = Pulse(web)
+    pulse.follow(None)
+    assert not alive_file.exists(), "the loop does not turn"
+    serve()
+    until(alive_file.exists)
+    alive_file.unlink()
+    with ask(web) as client:
+        client.recv(100)
+    assert not alive_file.exists(), "the game has not gone on since"
+
+
+def test_workers_that_are_stuck_give_none(
+    web: BaseWSGIServer, serve: Callable[[], None], held: threading.Event, alive_file: Path
+) -> None:
+    serve()
+    with contextlib.ExitStack() as clients:
+        for _ in range(WORKERS):
+            clients.enter_context(ask(web))
+        until(lambda: web.task_dispatcher.active_count == WORKERS and not web.task_dispatcher.queue)
+        Pulse(web).follow(None)
+        until(lambda: web.task_dispatcher.queue)
+        assert not alive_file.exists()
+        held.set()
+        until(alive_file.exists)
+
+
+def test_a_web_server_without_a_free_connection_is_alive(
+    web: BaseWSGIServer, serve: Callable[[], None], alive_file: Path
+) -> None:
+    serve()
+    with contextlib.ExitStack() as clients:
+        for _ in range(8):
+            clients.enter_context(socket.create_connection(web.socket.getsockname()))
+        until(lambda: len(web._map) >= 5)
+        Pulse(web).follow(None)
+        until(alive_file.exists)
