@@ -4,7 +4,7 @@ import logging
 import socket
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 import waitress
 from waitress import wasyncore
@@ -66,7 +66,8 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
         yield
     finally:
         game.stop()
-        web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
+        with suppress(OSError):  # the loop was awake, and has closed the trigger before it was pulled
+            web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
         serving.join(_CLOSE_WITHIN)
         hits.stop()
 

@@ -54,7 +54,8 @@ def serve(web: BaseWSGIServer) -> Iterator[Callable[[], None]]:
     """Starts the loop of `web`."""
     thread = threading.Thread(target=web.run)
     yield thread.start
-    web.trigger.pull_trigger(lambda: wasyncore.close_all(web._map))
+    with contextlib.suppress(OSError):  # the loop was awake, and has closed the trigger before it was pulled
+        web.trigger.pull_trigger(lambda: wasyncore.close_all(web._map))
     thread.join()
 
 
