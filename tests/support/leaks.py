@@ -59,7 +59,8 @@ def children() -> set[str]:
             with contextlib.suppress(psutil.Error):
                 process = psutil.Process(int(pid))
                 command = " ".join(process.cmdline())
-                # ssh keeps a connection for the next play, and ends it
-                if process.status() != psutil.STATUS_ZOMBIE and "[mux]" not in command:
+                # ssh keeps a connection for the next play, and ends it; -W is what that goes through
+                kept = "[mux]" in command or (command.startswith("ssh ") and " -W " in command)
+                if process.status() != psutil.STATUS_ZOMBIE and not kept:
                     found.add(f"process {pid}: {command}")
     return found
