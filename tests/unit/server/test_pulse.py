@@ -34,7 +34,7 @@ def held() -> Iterator[threading.Event]:
 
 @pytest.fixture
 def web(held: threading.Event) -> Iterator[BaseWSGIServer]:
-    """A web server for three connections whose loop is not started yet."""
+    """A web server for a few connections whose loop is not started yet."""
 
     def page(_environ: object, start_response: Callable[..., object]) -> list[bytes]:
         held.wait()
