@@ -1,7 +1,18 @@
-"""Logging of all programs: one line per event on stderr."""
+"""Logging of all programs: one line per event on stderr, whatever strangers send and however often."""
 
 import logging
 import sys
+import time
+from collections import Counter
+from typing import Any
+
+from laser_bot_battle.token_bucket import TokenBuckets
+
+MAX_LINE = 4000  # characters of a message
+# the loggers that speak of what strangers send, and how many lines each has
+_STRANGERS = ("server.web.", "waitress.", "rospy.", "rosgraph.", "rosout.")
+BURST = 20
+PERIOD = 1.0  # s for each further line
 
 
 def configure_logging(level: str) -> None:
@@ -12,15 +23,54 @@ def configure_logging(level: str) -> None:
     handler = logging.StreamHandler(sys.stderr)
     handler.addFilter(_name_program)
     handler.addFilter(_shorten_ros)
-    logging.basicConfig(
-        level=level.upper(),
-        format="%(asctime)s %(levelname)s %(name)s: %(message)s",
-        handlers=[handler],
-        force=True,
-    )
+    handler.addFilter(_Budget())
+    handler.setFormatter(_Visible("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
     logging.getLogger("rosout").handlers.clear()
     for noisy in ("rospy", "rosgraph", "rosout", "waitress.queue"):
         logging.getLogger(noisy).setLevel(logging.WARNING)
+
+
+def visible(text: str) -> str:
+    """`text` with its control characters, line ends among them, as escapes, and not longer than `MAX_LINE`."""
+    shown = "".join(char if char.isprintable() else _escaped(char) for char in text[: MAX_LINE + 1])
+    return shown if len(shown) <= MAX_LINE else f"{shown[:MAX_LINE]}..."
+
+
+def _escaped(char: str) -> str:
+    return char.encode("unicode_escape").decode("ascii")
+
+
+class _Visible(logging.Formatter):
+    """What is logged may come from strangers: it never ends its line, and never begins one."""
+
+    def formatMessage(self, record: logging.LogRecord) -> str:  # noqa: N802 - logging's name
+        record.message = visible(record.message)
+        return super().formatMessage(record)
+
+    def formatException(self, ei: Any) -> str:  # noqa: N802 - logging's name
+        return "\n".join(f"  {visible(line)}" for line in super().formatException(ei).splitlines())
+
+
+class _Budget(logging.Filter):
+    """Strangers can make a logger speak as often as they like: what is too much is counted instead."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._lines = TokenBuckets(BURST, PERIOD)
+        self._unsaid: Counter[str] = Counter()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        logger = record.name
+        if not f"{logger}.".startswith(_STRANGERS):
+            return True
+        if self._lines.take(logger, time.monotonic()):
+            self._unsaid[logger] += 1
+            return False
+        unsaid = self._unsaid.pop(logger, 0)
+        if unsaid:
+            record.msg, record.args = f"{record.getMessage()} (and {unsaid:,} more like this)", ()
+        return True
 
 
 def _name_program(record: logging.LogRecord) -> bool:

@@ -13,8 +13,13 @@ import uuid
 import xmlrpc.client
 from collections.abc import Callable
 from typing import Any
+from xml.parsers.expat import ExpatError
 
 _log = logging.getLogger(__name__)
+
+
+# what xmlrpc.client makes of other answers than those of a ROS master
+_NO_ANSWER = (http.client.HTTPException, xmlrpc.client.Error, ExpatError, ArithmeticError, TypeError, ValueError)
 
 
 class MasterError(Exception):
@@ -45,7 +50,7 @@ class Master:
         try:
             with xmlrpc.client.ServerProxy(self.uri, transport=_TimedTransport(self.timeout)) as proxy:
                 code, text, value = getattr(proxy, method)(self.node, *arguments)
-        except (http.client.HTTPException, xmlrpc.client.Error, TypeError, ValueError) as error:
+        except _NO_ANSWER as error:
             raise OSError(f"{self.uri} does not answer as a ROS master: {error}") from None
         if code != 1:
             raise MasterError(text)

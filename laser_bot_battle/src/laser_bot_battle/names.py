@@ -2,22 +2,33 @@
 docs/protocol-browser.md)."""
 
 import hashlib
+import hmac
 import re
 from enum import IntEnum
 
+VERSION = "1.0.0"  # of the whole system
+
 MASTER_HOST = "laser_bot_master.local"
+MASTER_HOST_ALIAS = "laser-bot-master.local"  # DNS proper knows no underscores
 WEB_PORT = 5000
 ROSBRIDGE_PORT = 9090
 ROS_PORT = 11311
 
 SERVER_NODE = "robots_server"
 ROSBRIDGE_NODE = "rosbridge_websocket"
+ROSAPI_NODE = "rosapi"
+POSITIONS_NODE = "arena_positions"
 ADD_NEW_ROBOT = "/add_new_robot"
 GAME_STATUS = "/game_status"
+POSITIONS = "/positions"
+
+KEY_FIELD = "laserbot_key"  # of the connection header in which a robot registers: the digest of its key
 
 ROBOT_IDS = range(128)  # what fits the int8 of AddNewRobot.srv
 
 SESSION_COOKIE = "laserbot_session"
+TICKET_LIFE = 60  # s
+OPERATOR_TICKET_LIFE = 20  # s
 
 _CLIENT = "/id_service_client_"
 
@@ -52,6 +63,51 @@ def robot_name(client: str) -> str:
     return client.removeprefix(_CLIENT)
 
 
+def key_digest(key: str) -> str:
+    """What stands for a robot's key (docs/protocol-ros.md) where others can read it: its SHA-256 (hex)."""
+    return _sha256(key)
+
+
 def session_digest(token: str) -> str:
     """What stands for a player's session token where others can read it: its SHA-256 (hex)."""
-    return hashlib.sha256(token.encode("utf-8", "replace")).hexdigest()
+    return _sha256(token)
+
+
+def session_ticket(digest: str, now: float) -> str:
+    """What a page, which cannot read its own cookie, shows in place of the session token: valid for `TICKET_LIFE`.
+
+    `digest` is the session's, which only the master's programs know; `now` is Unix time in s.
+    """
+    return _ticket(digest, int(now) + TICKET_LIFE)
+
+
+def is_session_ticket(ticket: str, digest: str, now: float) -> bool:
+    """Whether that is a ticket of this session that is still valid."""
+    return _is_ticket(ticket, digest, now)
+
+
+def operator_ticket(token: str, now: float) -> str:
+    """By which the operator's page, which has not the `token` itself, signs in to rosbridge within
+    `OPERATOR_TICKET_LIFE`."""
+    return _ticket(f"operator {token}", int(now) + OPERATOR_TICKET_LIFE)
+
+
+def is_operator_ticket(ticket: str, token: str, now: float) -> bool:
+    """Whether that is a ticket of the operator with this token that is still valid."""
+    return _is_ticket(ticket, f"operator {token}", now)
+
+
+def _is_ticket(ticket: str, key: str, now: float) -> bool:
+    end = ticket.partition(".")[0]
+    if not re.fullmatch(r"[0-9]{1,12}", end) or int(end) < now:
+        return False
+    return hmac.compare_digest(ticket.encode("utf-8", "replace"), _ticket(key, int(end)).encode())
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()
+
+
+def _ticket(key: str, end: int) -> str:
+    proof = hmac.new(key.encode("utf-8", "replace"), f"ticket until {end}".encode(), hashlib.sha256)
+    return f"{end}.{proof.hexdigest()}"

@@ -25,6 +25,9 @@ class Variable(Generic[T]):
     text: str  # what it is, in Markdown
     parse: Callable[[str], T]
     shown: str  # the default in words, in Markdown
+    is_flag: bool = False  # on the command line, its option needs no value
+    lowest: float | None = None  # of a number
+    highest: float | None = None
 
     def read(self, environ: Mapping[str, str], default: T | None = None) -> T:
         """Its value; unset or empty means the default (`default` before the declared one). SettingsError."""
@@ -38,7 +41,7 @@ class Variable(Generic[T]):
 
 
 def whole(name: str, default: int, lowest: int, highest: int, text: str) -> Variable[int]:
-    return Variable(name, default, text, _whole(lowest, highest), str(default))
+    return Variable(name, default, text, _whole(lowest, highest), str(default), lowest=lowest, highest=highest)
 
 
 def number(name: str, default: float, lowest: float, highest: float, text: str) -> Variable[float]:
@@ -51,7 +54,7 @@ def number(name: str, default: float, lowest: float, highest: float, text: str) 
             raise ValueError(f"must be a number from {lowest:g} to {highest:g}")
         return value
 
-    return Variable(name, default, text, parse, f"{default:g}")
+    return Variable(name, default, text, parse, f"{default:g}", lowest=lowest, highest=highest)
 
 
 def port(name: str, default: int, text: str) -> Variable[int]:
@@ -60,6 +63,26 @@ def port(name: str, default: int, text: str) -> Variable[int]:
 
 def optional_port(name: str, text: str, shown: str) -> Variable[int | None]:
     return Variable(name, None, text, _whole(1, 65535), shown)
+
+
+def flag(name: str, text: str) -> Variable[bool]:
+    """0 or 1; off unless set."""
+
+    def parse(given: str) -> bool:
+        if given not in ("0", "1"):
+            raise ValueError("must be 0 or 1")
+        return given == "1"
+
+    return Variable(name, False, text, parse, "0", is_flag=True)
+
+
+def globs(name: str, text: str) -> Variable[tuple[str, ...] | None]:
+    """Patterns of ROS names between commas."""
+
+    def parse(given: str) -> tuple[str, ...]:
+        return tuple(pattern.strip(" '\"") for pattern in given.strip("[] ").split(",") if pattern.strip(" '\""))
+
+    return Variable(name, None, text, parse, "all")
 
 
 def choice(name: str, default: str, allowed: tuple[str, ...], text: str) -> Variable[str]:
@@ -85,10 +108,10 @@ def describe(*variables: Variable[Any]) -> str:
     return "environment variables:\n" + re.sub(r"`|\[([^]]*)\]\([^)]*\)", r"\1", "\n".join(lines))
 
 
-def read_or_exit(program: str, read: Callable[[Mapping[str, str]], T]) -> T:
-    """`read` this process's environment; a wrong value ends the program with one line and exit code 2."""
+def read_or_exit(program: str, read: Callable[[Mapping[str, str]], T], environ: Mapping[str, str] = os.environ) -> T:
+    """`read` the environment; a wrong value ends the program with one line and exit code 2."""
     try:
-        return read(os.environ)
+        return read(environ)
     except SettingsError as error:
         print(f"{program}: {error}", file=sys.stderr)
         raise SystemExit(2) from None

@@ -8,11 +8,14 @@
 import re
 from pathlib import Path
 
-from laser_bot_battle.names import MASTER_HOST, ROBOT_IDS, ROS_PORT, ROSBRIDGE_PORT, WEB_PORT, client_name
+from laser_bot_battle.announcement import MAX_OWN_NAME
+from laser_bot_battle.names import ROBOT_IDS, ROS_PORT, ROSBRIDGE_PORT, WEB_PORT, client_name
 from laser_bot_battle.settings import (
     LOG_LEVELS,
     Variable,
     choice,
+    flag,
+    globs,
     number,
     optional_port,
     port,
@@ -49,6 +52,21 @@ def _devices(text: str) -> tuple[str, ...]:
     return tuple(text.split())
 
 
+def _origins(text: str) -> tuple[str, ...]:
+    origins = tuple(text.lower().split())
+    for origin in origins:
+        if not re.fullmatch(r"https?://([a-z0-9._-]+|\[[0-9a-f:.]+\])(:[0-9]{1,5})?", origin):
+            raise ValueError(f"{origin!r} is not http://host, http://host:port or the like with https")
+    return origins
+
+
+def _arena(text: str) -> str:
+    too_long = len(text.encode("utf-8", "replace")) > MAX_OWN_NAME
+    if not text.isprintable() or "." in text or text.startswith("_") or too_long:
+        raise ValueError(f"must be a name of at most {MAX_OWN_NAME} bytes without dots, and not begin with _")
+    return text.strip()
+
+
 def _master_uri(text: str) -> str:
     if not re.fullmatch(r"http://[^/:]+:[0-9]+/?", text):
         raise ValueError("must be http://host:port")
@@ -68,6 +86,13 @@ VIEW = optional_port(
     "port on the master where the player's page finds a view of the arena to show",
     "none (demo: the arena's)",
 )
+ORIGINS: Variable[tuple[str, ...]] = Variable(
+    "LASERBOT_ORIGINS",
+    (),
+    "further addresses at which people open the game's pages: `https://arena.example`, with spaces between them",
+    _origins,
+    "none",
+)
 ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` starts; not with compose")
 ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
 ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
@@ -75,14 +100,31 @@ HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit 
 COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
 BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then the most life wins")
 PLAYER_TIMEOUT = number(
-    "LASERBOT_PLAYER_TIMEOUT", 15, 1, 86400, "seconds without a sign of life until a player is signed out"
+    "LASERBOT_PLAYER_TIMEOUT", 15, 1, 86400, "seconds without a sign of life until a player is out of a battle"
 )
+SEAT_TIMEOUT = number(
+    "LASERBOT_SEAT_TIMEOUT", 60, 1, 86400, "the same without a battle: a phone that sleeps keeps its robot so long"
+)
+IDLE = number("LASERBOT_IDLE", 60, 1, 86400, "seconds without being ready until a robot passes on to people who wait")
+OFFER = number("LASERBOT_OFFER", 20, 1, 3600, "seconds in which who has waited must take the robot")
+BATTLES_IN_ROW = whole(
+    "LASERBOT_BATTLES_IN_ROW", 3, 0, 1000, "battles until a robot passes on to people who wait; 0: never"
+)
+SEATS = whole("LASERBOT_SEATS", 0, 0, len(ROBOT_IDS), "robots that players may have at once; 0: all that there are")
+PRACTICE = flag("LASERBOT_PRACTICE", "1: players may drive while no battle runs")
 DATA: Variable[Path] = Variable(
     "LASERBOT_DATA",
     Path("~/.local/share/laserbot"),
-    "folder for `robots.json`: which robot has which ID; not with compose, which has a volume for it",
+    "folder for `laserbot.db`, the database: who plays, robots' IDs, battles; "
+    "not with compose, which has a volume for it",
     Path,
     "`~/.local/share/laserbot`",
+)
+DATABASE = words(
+    "LASERBOT_DATABASE",
+    "",
+    "another database: `postgresql://user:password@host/name`, or `sqlite:///` and a file",
+    "`laserbot.db`",
 )
 ROSTER: Variable[dict[str, int]] = Variable(
     "LASERBOT_ROSTER",
@@ -92,11 +134,35 @@ ROSTER: Variable[dict[str, int]] = Variable(
     _roster,
     "none",
 )
-OPERATOR_TOKEN = words("LASERBOT_OPERATOR_TOKEN", "", "secret that lets a rosbridge client do everything")
+OPERATOR_TOKEN = words(
+    "LASERBOT_OPERATOR_TOKEN",
+    "",
+    "secret of [the operators](operator.md): it opens their desk and lets a rosbridge client do everything",
+)
 OPERATOR_TOKEN_FILE = words(
     "LASERBOT_OPERATOR_TOKEN_FILE", "", "file that holds this secret, instead of the secret itself; not with compose"
 )
-MASTER = words("LASERBOT_MASTER", MASTER_HOST, "host name or address at which a robot or a bot finds the master")
+OPEN = flag(
+    "LASERBOT_ROSBRIDGE_OPEN",
+    "1: rosbridge lets everybody do everything, as the manual's did. For a lab; anyone who gets to the port then "
+    "drives every robot",
+)
+TOPICS_GLOB = globs("LASERBOT_TOPICS_GLOB", "topics that rosbridge's clients may use: `/scan,/camera/*`")
+SERVICES_GLOB = globs("LASERBOT_SERVICES_GLOB", "services that rosbridge's clients may call or offer")
+PARAMS_GLOB = globs("LASERBOT_PARAMS_GLOB", "parameters that rosbridge's clients may use, by `/rosapi`")
+ARENA_NAME: Variable[str] = Variable(
+    "LASERBOT_ARENA",
+    "",
+    "name by which the master announces itself in its network, and which robots and bots join",
+    _arena,
+    "the master's host name; for robots and bots, the only arena that there is",
+)
+MASTER = words(
+    "LASERBOT_MASTER",
+    "",
+    "host name or address at which a robot or a bot finds the master",
+    "the arena that [announces itself](discovery.md)",
+)
 SERIAL: Variable[tuple[str, ...]] = Variable(
     "LASERBOT_SERIAL",
     ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0"),
