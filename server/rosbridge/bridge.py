@@ -2,157 +2,261 @@
 
 import asyncio
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Coroutine, Sequence
+from functools import partial
 from typing import Any
 
+import genpy
+
+from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS
-from server.rosbridge.connection import Connection
-from server.rosbridge.conversion import MessageType, Types
+from server.rosbridge.clock import Clock
+from server.rosbridge.context import OWN_TYPES
+from server.rosbridge.conversion import ConversionError, MessageType, Types
+from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import (
+    Answer,
     CallService,
     ClosePublisher,
+    CloseService,
     CloseSubscription,
     Effect,
+    FindType,
+    Later,
     Log,
     OpenPublisher,
+    OpenService,
     OpenSubscription,
     Publish,
     Replay,
     Send,
 )
-from server.rosbridge.gate import STATUS_TYPE, Gate, Identity
+from server.rosbridge.gate import OPERATOR, STATUS_TYPE, Gate, Identity
 from server.rosbridge.graph import Graph
+from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
-from server.rosbridge.service_client import ServiceClient
 from server.rosbridge.subscription import Subscription
-from server.rosbridge.wire import RequestError, dumps
+from server.rosbridge.websocket.connection import Connection
+from server.rosbridge.websocket.places import Place, place_of
+from server.rosbridge.wire import RequestError, one_line
+from server.tcpros.node import Node
 
 _log = logging.getLogger(__name__)
 
-# How often rights are checked again though no news came, and slow clients are looked at.
+# How often rights are checked again though no news came.
 TICK = 0.5  # s
+# A client's last call of a service may still be on its way there when the client has gone.
+LAST_CALL = 10.0  # s
+# A publish waits no longer for what the client has subscribed to before, whatever hangs.
+LATER = 1.0  # s
 GATE = "gate"  # takes part in the graph of topics as if it were a client
 
 
 class Bridge:
     """One rosbridge: all clients and ROS. For the event loop's thread only."""
 
-    def __init__(self, node: str, operator_token: str) -> None:
-        """`node` is rosbridge's ROS node name. Needs a running event loop and an initialised rospy."""
+    def __init__(self, node: Node, types: Types, clock: Clock, gate: Gate, is_open: bool) -> None:
+        """`is_open`: everybody may do what an operator may. Needs a running event loop."""
         self._loop = asyncio.get_running_loop()
-        self._gate, self._drivers, self._graph, self._types = Gate(operator_token), Drivers(), Graph(), Types()
+        self._gate, self._types, self._clock, self._is_open = gate, types, clock, is_open
+        self._drivers, self._graph = Drivers(), Graph()
         self._connections: dict[Client, Connection] = {}
         self._timers: dict[Subscription, asyncio.TimerHandle] = {}
-        self._calls: set[asyncio.Task[None]] = set()
-        self._ros = Ros(self._loop, self._deliver)
-        self._services = ServiceClient(self._ros.registrar, self._types, f"/{node}")
+        self._tasks: set[asyncio.Task[None]] = set()
+        self._calls: dict[asyncio.Task[None], Client | None] = {}  # of services, by whom
+        self._offered = OfferedServices(self._perform)
+        self.touch: Callable[[], None] = lambda: None
+        """called when something comes from ROS"""
+        self._ros = ros = Ros(node, types, clock, self._deliver)
+        self._performers: dict[type, Callable[[Client | None, Any], object]] = {
+            Publish: lambda _, effect: ros.publish(*effect),
+            Send: self._send,
+            Log: self._log,
+            OpenPublisher: lambda _, effect: ros.open_publisher(*effect),
+            ClosePublisher: lambda _, effect: ros.close_publisher(*effect),
+            OpenSubscription: lambda client, effect: self._open_subscription(client, *effect),
+            CloseSubscription: lambda _, effect: ros.close_subscription(*effect),
+            Replay: lambda client, effect: self._replay(client, effect.topic),
+            FindType: lambda client, effect: self._start(self._find_type(client, effect)),
+            Later: self._later,
+            CallService: self._start_call,
+            OpenService: self._open_service,
+            CloseService: self._close_service,
+            Answer: lambda _, effect: self._offered.answer(effect),
+        }
+        self._status_type = types.message(STATUS_TYPE)
         subscription = Subscription(GATE, GAME_STATUS)
-        self._perform(None, self._graph.subscribe(GAME_STATUS, self._types.message(STATUS_TYPE), subscription))
+        self._perform(None, self._graph.subscribe(GAME_STATUS, self._status_type, subscription))
         self._loop.call_later(TICK, self._tick)
 
     def connected(self, connection: Connection, identity: Identity) -> Client:
-        client = Client(self._gate, self._drivers, self._graph, self._types, identity)
+        who = OPERATOR if self._is_open else identity
+        client = Client(self._gate, self._drivers, self._graph, self._types, self._clock, who, connection.address)
         self._connections[client] = connection
         return client
 
-    def received(self, client: Client, text: str | bytes) -> None:
+    def place(self, identity: Identity, address: str) -> Place:
+        """Which of the server's places a client of this identity takes."""
+        if self._is_open:
+            identity = OPERATOR
+        return place_of(identity, self._gate.player(identity) is not None, address)
+
+    def received(self, client: Client, data: str | bytes) -> None:
         """A WebSocket message from a client."""
-        self._perform(client, client.receive(text, self._loop.time()))
+        before = client.identity
+        self._perform(client, client.receive(data, self._loop.time()))
+        if client.identity is not before:
+            self._move(client)
 
     def disconnected(self, client: Client) -> None:
         del self._connections[client]
-        self._perform(None, client.closed())
+        self._perform(client, client.closed())
+        for task in [task for task, caller in self._calls.items() if caller is client]:
+            self._loop.call_later(LAST_CALL, task.cancel)
 
     def stop(self) -> None:
         """The end: no robot keeps moving."""
         self._perform(None, self._drivers.stop_all())
-        for task in self._calls:
+        for task in self._tasks:
             task.cancel()
 
     def _perform(self, client: Client | None, effects: Sequence[Effect]) -> None:
-        """Carry out the effects in order; replies and log lines only for a client that is still there."""
-        connection = self._connections.get(client) if client else None
+        """Carry out the effects in order; replies only for a client that is still there."""
         for effect in effects:
-            match effect:
-                case Publish(topic, message):
-                    self._ros.publish(topic, message)
-                case Send(text):
-                    if connection:
-                        connection.reply(text)
-                case Log(level, text):
-                    _log.log(level, "%s: %s", connection.name if connection else "a client", text)
-                case OpenPublisher(topic, message_type, latch):
-                    self._ros.open_publisher(topic, message_type, latch)
-                case ClosePublisher(topic):
-                    self._ros.close_publisher(topic)
-                case OpenSubscription(topic, message_type):
-                    self._ros.open_subscription(topic, message_type)
-                case CloseSubscription(topic):
-                    self._ros.close_subscription(topic)
-                case Replay(topic):
-                    self._replay(client, topic)
-                case CallService():
-                    task = self._loop.create_task(self._call(client, effect))
-                    self._calls.add(task)
-                    task.add_done_callback(self._calls.discard)
+            self._performers[type(effect)](client, effect)
+
+    def _send(self, client: Client | None, effect: Send) -> None:
+        connection = self._connections.get(client) if client else None
+        if connection:
+            connection.reply(effect.data, *effect.rest)
+
+    def _log(self, client: Client | None, effect: Log) -> None:
+        connection = self._connections.get(client) if client else None
+        if connection:
+            connection.log(one_line(effect.text), effect.level)
+        else:
+            _log.log(effect.level, "a client: %s", one_line(effect.text))
+
+    def _start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
+        task = self._loop.create_task(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    def _later(self, client: Client | None, effect: Later) -> None:
+        self._loop.call_later(LATER, lambda: self._perform(client, effect.due(self._loop.time())))
+
+    # ---- services, and questions to the master ----
+
+    async def _find_type(self, client: Client | None, wanted: FindType) -> None:
+        self._perform(client, wanted.done(await self._ros.type_of(wanted.topic), self._loop.time()))
+
+    def _start_call(self, client: Client | None, call: CallService) -> None:
+        task = self._start(self._call(client, call))
+        self._calls[task] = client
+        task.add_done_callback(self._calls.pop)
 
     async def _call(self, client: Client | None, call: CallService) -> None:
-        values, reason = None, ""
+        response, reason = None, ""
         try:
-            values = await self._services.call(call.service, call.args, call.timeout)
+            response = await self._ros.call(call)
         except RequestError as error:
             reason = str(error)
         except Exception:  # whatever it was, the client hears of the end, and its call counts no longer as under way
             _log.exception("the call of %s failed", call.service)
             reason = "the call failed"
         if client in self._connections:
-            self._perform(client, call.done(values, reason, self._loop.time()))
+            self._perform(client, call.done(response, reason, self._loop.time()))
+
+    def _open_service(self, client: Client | None, effect: OpenService) -> None:
+        assert client is not None
+        self._ros.open_service(effect.service, effect.type, partial(self._offered.ask, client, effect.service))
+
+    def _close_service(self, _: Client | None, effect: CloseService) -> None:
+        self._ros.close_service(effect.service)
+        self._offered.fail(effect.service)
+
+    # ---- from ROS to clients ----
+
+    def _open_subscription(self, client: Client | None, topic: str, message_type: MessageType) -> None:
+        self._ros.open_subscription(topic, message_type)
+        self._start(self._settle(client, topic))
+
+    async def _settle(self, client: Client | None, topic: str) -> None:
+        """Tell the client when messages of the topic reach it."""
+        if client is not None:
+            await self._ros.settled(topic)
+            self._perform(client, client.settled(topic, self._loop.time()))
 
     def _replay(self, client: Client | None, topic: str) -> None:
-        message = self._ros.latched(topic)
+        self._start(self._settle(client, topic))
         message_type = self._graph.type_of(topic)
-        if message is None or message_type is None:
-            return
-        body = dumps(message_type.encode(message))
-        for subscription in self._graph.subscriptions(topic):
-            if subscription.client is client:
-                self._offer(subscription, topic, body)
+        assert message_type is not None
+        for data in self._ros.latched(topic):
+            told = self._gate.public(data) if topic == GAME_STATUS else data
+            message = Delivery(message_type, told, self._clock.nanoseconds())
+            for subscription in self._graph.subscriptions(topic):
+                if subscription.client is client:
+                    self._offer(subscription, topic, message)
 
-    def _deliver(self, topic: str, message_type: MessageType, message: Any) -> None:
-        """A message from ROS. It becomes JSON once, however many clients get it."""
+    def _deliver(self, topic: str, message_type: MessageType, data: bytes) -> None:
+        """A message from ROS. It is encoded once in each form, however many clients get it."""
+        self.touch()
         if topic == GAME_STATUS:
-            self._gate.update(message, self._loop.time())
-            self._check_rights()
-        body = ""
-        for subscription in self._graph.subscriptions(topic):
+            try:
+                data = self._hear_referee(data)
+            except genpy.DeserializationError as error:
+                _log.warning("what the referee says cannot be read: %s", error)
+                return
+        message = Delivery(message_type, data, self._clock.nanoseconds())
+        for subscription in list(self._graph.subscriptions(topic)):
             if subscription.client is not GATE:
-                body = body or dumps(message_type.encode(message))
-                self._offer(subscription, topic, body)
+                self._offer(subscription, topic, message)
 
-    def _offer(self, subscription: Subscription, topic: str, body: str) -> None:
-        self._send(subscription, topic, subscription.offer(body, self._loop.time()))
+    def _hear_referee(self, data: bytes) -> bytes:
+        """The state of the battle, for the gate; what clients may know of it."""
+        self._gate.update(GameStatus().deserialize(data), self._loop.time())
+        self._check_rights()
+        return self._gate.public(data)
+
+    def _offer(self, subscription: Subscription, topic: str, message: Delivery) -> None:
+        self._pass(subscription, topic, subscription.offer(message, self._loop.time()))
 
     def _release(self, subscription: Subscription, topic: str) -> None:
         """A throttled message is due."""
         del self._timers[subscription]
-        self._send(subscription, topic, subscription.release(self._loop.time()))
+        self._pass(subscription, topic, subscription.release(self._loop.time()))
 
-    def _send(self, subscription: Subscription, topic: str, text: str | None) -> None:
-        """Send the text, if any, and set a timer for what must wait."""
+    def _pass(self, subscription: Subscription, topic: str, message: Delivery | None) -> None:
+        """Send the message, if any, and set a timer for what must wait."""
         connection = self._connections.get(subscription.client)  # type: ignore[call-overload]
-        if text is not None and connection is not None:
-            connection.message(topic, text, max(1, subscription.queue_length))
+        if message is not None and connection is not None:
+            try:
+                frames = message.frames(subscription.form)
+            except ConversionError as error:  # a publisher whose messages are not of its type
+                _log.warning("a message of %s cannot be read: %s", topic, error)
+                return
+            # of the game's own topics only the newest is worth sending
+            connection.message(topic, frames, 1 if topic in OWN_TYPES else subscription.queue_length)
         if subscription.due is not None and subscription not in self._timers:
             self._timers[subscription] = self._loop.call_at(subscription.due, self._release, subscription, topic)
+
+    # ---- rights ----
 
     def _tick(self) -> None:
         self._loop.call_later(TICK, self._tick)
         self._check_rights()
-        now = self._loop.time()
-        for connection in list(self._connections.values()):
-            connection.check(now)
+        # a throttled subscription may be long gone when its message would be due
+        for subscription in [each for each in self._timers if each.due is None]:
+            self._timers.pop(subscription).cancel()
+
+    def _move(self, client: Client) -> None:
+        """The client may be somebody else now, for whom other limits hold."""
+        connection = self._connections.get(client)
+        if connection is not None:
+            connection.move(self.place(client.identity, client.address))
 
     def _check_rights(self) -> None:
         """Stop the robots of those who may no longer drive, and tell the clients that the battle may have changed."""
@@ -163,3 +267,4 @@ class Bridge:
         self._perform(None, stops)
         for client in list(self._connections):
             self._perform(client, client.updated(now))
+            self._move(client)

@@ -1,15 +1,18 @@
 """What the operations of one client work with."""
 
 import logging
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from server.rosbridge.conversion import Types
-from server.rosbridge.drivers import Drivers
+from laser_bot_battle.names import GAME_STATUS
+from server.rosbridge.clock import Clock
+from server.rosbridge.conversion import MessageType, Types
+from server.rosbridge.drivers import COMMAND_TOPICS, Drivers
 from server.rosbridge.effects import Effect, Log, Send
-from server.rosbridge.gate import Gate, Identity
+from server.rosbridge.gate import COMMAND_TYPE, STATUS_TYPE, Gate, Identity
 from server.rosbridge.graph import Graph
-from server.rosbridge.wire import Id, status
+from server.rosbridge.wire import Id, Request, RequestError, status
 
 SEVERITY = {"error": 1, "warning": 2, "info": 3, "none": 0}
 LOG_LEVELS = {"error": logging.WARNING, "warning": logging.INFO, "info": logging.INFO}
@@ -17,34 +20,79 @@ LOG_LEVELS = {"error": logging.WARNING, "warning": logging.INFO, "info": logging
 MAX_LOG_LINES = 5  # a second
 # A client that has just signed up may be quicker here than the news of it on /game_status.
 SIGN_UP_GRACE = 2.0  # s
+# The game's own topics are driven by without a word with the ROS master.
+OWN_TYPES = {GAME_STATUS: STATUS_TYPE, **dict.fromkeys(COMMAND_TOPICS, COMMAND_TYPE)}
+
+
+class TypeWantedError(Exception):
+    """The request cannot go on before ROS has been asked for the type of a topic."""
+
+    def __init__(self, topic: str) -> None:
+        super().__init__(topic)
+        self.topic = topic
+
+
+class UnsettledError(Exception):
+    """The request must wait for the client's earlier subscriptions: it could bring messages that they would miss."""
+
+    def __init__(self, topic: str) -> None:
+        super().__init__(topic)
+        self.topic = topic
 
 
 class Claim(NamedTuple):
-    """A name with a token that the gate does not know yet."""
+    """A name with a secret that the gate does not know yet, or has not looked at."""
 
     name: str
-    identity: Identity
+    secret: str
     id: Id  # of the request
     until: float  # monotonic s
+    may_be_operator: bool  # the secret has not been compared with the operator's token yet
 
 
 @dataclass(eq=False)
-class Context:
+class Context(ABC):
     """A client as its operations see it. Time is a monotonic clock in s."""
 
     gate: Gate
     drivers: Drivers
     graph: Graph
     types: Types
+    clock: Clock
     identity: Identity
+    address: str = "nobody"  # of the client's machine
     claim: Claim | None = field(default=None, init=False)  # to be somebody else
     status_level: str = field(default="error", init=False)  # the client wants to hear this and worse
+    found: dict[str, str | None] = field(default_factory=dict, init=False)  # what ROS says of topics' types
+    unsettled: set[str] = field(default_factory=set, init=False)  # topics whose publishers have no subscriber yet
     _lines: int = field(default=0, init=False)
     _lines_since: float = field(default=float("-inf"), init=False)
 
     def is_newcomer(self) -> bool:
         """Whether the news of this client's signing up may be on its way."""
         return self.claim is not None or (bool(self.identity.session) and self.gate.player(self.identity) is None)
+
+    def topic_type(self, topic: str, named: str = "") -> MessageType:
+        """The type of a topic that the client calls `named`, or leaves open by "" or "*".
+
+        RequestError when it has another type, or none is known; TypeWantedError when ROS has not been asked yet.
+        """
+        named = "" if named == "*" else named
+        opened = self.graph.type_of(topic)
+        known = opened.name if opened else OWN_TYPES.get(topic)
+        if known is None:
+            if topic not in self.found:
+                raise TypeWantedError(topic)
+            known = self.found[topic]
+        if known and named and named != known:
+            raise RequestError(f"{topic} is of type {known}, not {named[:80]}")
+        if not known and not named:
+            raise RequestError(f"the type of {topic} is not known; give it in the field 'type'")
+        return opened or self.types.message(known or named)
+
+    @abstractmethod
+    def handle(self, request: Request, now: float) -> list[Effect]:
+        """Carry out one request."""
 
     def report(self, level: str, text: str, now: float, request_id: Id = None) -> list[Effect]:
         """Tell client and operator; `level` is error, warning or info."""

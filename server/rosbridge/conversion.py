@@ -4,59 +4,68 @@
 |---|---|
 | bool | true, false |
 | int8..uint64, byte (= int8), char (= uint8) | a number without fraction, in range |
-| float32, float64 | a number; NaN and infinities are sent as null, and refused when received |
+| float32, float64 | a number; NaN and infinities are sent as null, and null is received as NaN |
 | string | a string |
-| time, duration | {"secs": int, "nsecs": int} |
+| time, duration | {"secs": int, "nsecs": int}; "now" is understood for a time |
 | uint8[], char[], uint8[N], char[N] | base64 string; a list of numbers is understood too |
 | other arrays | a list |
-| message | an object; unknown fields are refused, missing ones keep their default |
+| message | an object; unknown fields are refused, missing ones have their default |
+
+The stamp of a std_msgs/Header has now as its default (rosbridge protocol 3.2.3).
 """
 
-import base64
-import binascii
-import math
+import importlib.util
+import os
 import re
-import struct
-from collections.abc import Callable, Mapping
+import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
-import genpy
-import roslib.message
+from server.rosbridge.messages.fitting import Now
+from server.rosbridge.messages.layout import ConversionError, Layout, layout_of
+from server.rosbridge.messages.packing import Pack, packer
+from server.rosbridge.messages.unpacking import CborValues, JsonText, Values, unpacker
 
-from server.rosbridge.wire import RequestError, brief
+__all__ = ["ConversionError", "MessageType", "ServiceType", "Types"]
 
-INTEGERS = {
-    "int8": (-(2**7), 2**7 - 1),
-    "byte": (-(2**7), 2**7 - 1),
-    "uint8": (0, 2**8 - 1),
-    "char": (0, 2**8 - 1),
-    "int16": (-(2**15), 2**15 - 1),
-    "uint16": (0, 2**16 - 1),
-    "int32": (-(2**31), 2**31 - 1),
-    "uint32": (0, 2**32 - 1),
-    "int64": (-(2**63), 2**63 - 1),
-    "uint64": (0, 2**64 - 1),
-}
 TYPE_NAME = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*", re.ASCII)
-ARRAY = re.compile(r"(?P<element>[^\[]+)\[(?P<length>\d*)\]")
-
-Decoder = Callable[[Any, str], Any]  # (JSON value, place in the message for the error) -> value; ConversionError
-Encoder = Callable[[Any], Any]  # value of the field -> JSON value
-
-
-class ConversionError(RequestError):
-    """A JSON value does not fit the ROS type, or there is no such type; the text says what and where."""
+# A type that is missing may be installed meanwhile; asking costs a look into every folder of Python's path.
+ASK_AGAIN = 1.0  # s
+MAX_MISSING = 1000  # names that are remembered
 
 
-@dataclass(frozen=True, slots=True)
 class MessageType:
-    """One ROS message type."""
+    """One ROS message type. The functions are made when they are first used; all raise ConversionError."""
 
-    name: str
-    message_class: type[Any]
-    decode: Decoder  # JSON object -> message
-    encode: Callable[[Any], dict[str, Any]]  # message -> JSON object
+    def __init__(self, layout: Layout, message_class: type[Any]) -> None:
+        self.name = layout.name
+        self.message_class = message_class
+        self.md5sum: str = message_class._md5sum
+        self.definition: str = message_class._full_text  # with the definitions of the messages in it
+        self.fields = tuple(field.name for field in layout.fields)
+        self._layout = layout
+
+    @cached_property
+    def pack(self) -> Pack:
+        """(JSON object, clock) -> serialized message, without its length."""
+        return packer(self._layout)
+
+    @cached_property
+    def values(self) -> Callable[[bytes], dict[str, Any]]:
+        """Serialized message -> JSON object."""
+        return unpacker(self._layout, Values())
+
+    @cached_property
+    def json(self) -> Callable[[bytes], str]:
+        """Serialized message -> JSON text, without spaces."""
+        return unpacker(self._layout, JsonText())
+
+    @cached_property
+    def cbor(self) -> Callable[[bytes], dict[str, Any]]:
+        """Serialized message -> object for cbor2."""
+        return unpacker(self._layout, CborValues())
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,24 +77,41 @@ class ServiceType:
     request: MessageType
     response: MessageType
 
+    def pack_request(self, args: Any, now: Now) -> bytes:
+        """The serialized request. `args`: a JSON object, a list of the first fields in their order, or None; what is
+        missing has its default. ConversionError when they do not fit."""
+        if args is None:
+            args = {}
+        if type(args) is list:
+            fields = self.request.fields
+            if len(args) > len(fields):
+                names = f" ({', '.join(fields)})" if fields else ""
+                raise ConversionError(f"{self.name} takes {len(fields)} arguments{names}, not {len(args)}")
+            args = dict(zip(fields, args, strict=False))
+        return self.request.pack(args, now)
+
 
 class Types:
-    """The message and service types of this machine's ROS packages, looked up once each."""
+    """The message and service types of the ROS packages on Python's path, looked up once each. A type that is missing
+    is asked for again: its package may be installed while rosbridge runs."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        self._clock = clock
         self._messages: dict[str, MessageType] = {}
         self._services: dict[str, ServiceType] = {}
+        self._missing: dict[tuple[str, str], tuple[float, str]] = {}  # (folder, name) -> when, why
+        self._looked = -ASK_AGAIN
 
     def message(self, name: str) -> MessageType:
         """The message type `name` ("std_msgs/String"); ConversionError when this machine has no such type."""
         if name not in self._messages:
-            self._messages[name] = self._compile(name, find_class(roslib.message.get_message_class, name, "message"))
+            self._messages[name] = self._compile(name, self._find("msg", name))
         return self._messages[name]
 
     def service(self, name: str) -> ServiceType:
         """The service type `name` ("std_srvs/Empty"); ConversionError when this machine has no such type."""
         if name not in self._services:
-            service = find_class(roslib.message.get_service_class, name, "service")
+            service = self._find("srv", name)
             self._services[name] = ServiceType(
                 name,
                 service._md5sum,
@@ -95,192 +121,56 @@ class Types:
         return self._services[name]
 
     def _compile(self, name: str, message_class: type[Any]) -> MessageType:
-        fields = list(zip(message_class.__slots__, message_class._slot_types, strict=True))
-        decoders = {field: self._decoder(field_type) for field, field_type in fields}
-        encoders = [(field, self._encoder(field_type)) for field, field_type in fields]
+        layout = layout_of(name, message_class, lambda inner: self.message(inner)._layout)
+        return MessageType(layout, message_class)
 
-        def decode(value: Any, where: str) -> Any:
-            if type(value) is not dict:
-                raise ConversionError(f"{where or name}: an object of type {name} is needed, not {brief(value)}")
-            message = message_class()
-            for field, content in value.items():
-                decoder = decoders.get(field)
-                if decoder is None:
-                    raise ConversionError(f"{name} has no field {field[:80]!r}")
-                setattr(message, field, decoder(content, f"{where}.{field}" if where else field))
-            return message
-
-        def encode(message: Any) -> dict[str, Any]:
-            return {field: encoder(getattr(message, field)) for field, encoder in encoders}
-
-        return MessageType(name, message_class, decode, encode)
-
-    def _decoder(self, field_type: str) -> Decoder:
-        if array := ARRAY.fullmatch(field_type):
-            element, length = array["element"], int(array["length"] or -1)
-            if element in ("uint8", "char"):
-                return byte_array_decoder(length)
-            return array_decoder(self._decoder(element), length)
-        if field_type in SCALAR_DECODERS:
-            return SCALAR_DECODERS[field_type]
-        return self.message(full_name(field_type)).decode
-
-    def _encoder(self, field_type: str) -> Encoder:
-        if array := ARRAY.fullmatch(field_type):
-            element = array["element"]
-            if element in ("uint8", "char"):
-                return encode_bytes
-            if element in INTEGERS or element in ("bool", "string"):
-                return list
-            return array_encoder(self._encoder(element))
-        if field_type in SCALAR_ENCODERS:
-            return SCALAR_ENCODERS[field_type]
-        return self.message(full_name(field_type)).encode
+    def _find(self, folder: str, name: str) -> type[Any]:
+        now, key = self._clock(), (folder, name)
+        asked, reason = self._missing.get(key, (now - ASK_AGAIN, ""))
+        if now - asked < ASK_AGAIN:
+            raise ConversionError(reason)
+        if now - self._looked >= ASK_AGAIN:
+            importlib.invalidate_caches()
+            self._looked = now
+        try:
+            found = find_class(folder, name)
+        except ConversionError as error:
+            if len(self._missing) >= MAX_MISSING:
+                self._missing.clear()
+            self._missing[key] = now, str(error)
+            raise
+        self._missing.pop(key, None)
+        return found
 
 
-def find_class(find: Callable[[str], type[Any] | None], name: str, kind: str) -> type[Any]:
-    """The generated class of a type name; ConversionError for a malformed or unknown name."""
-    if not TYPE_NAME.fullmatch(name):
+def find_class(folder: str, name: str) -> type[Any]:
+    """The class that genpy has generated for a type name; `folder`: msg or srv. ConversionError for a malformed or
+    unknown name, or when the class cannot be loaded.
+
+    genpy's own search would import any Python package that a client names, and would keep to a package's list of
+    messages from its first import.
+    """
+    kind = {"msg": "message", "srv": "service"}[folder]
+    if len(name) > 200 or not TYPE_NAME.fullmatch(name):
         raise ConversionError(f"{name[:80]!r} is not a {kind} type; write package/Name")
-    found = find(name)
-    if found is None:
+    package, base = name.split("/")
+    found, module = None, f"{package}.{folder}._{base}"
+    if has_folder(package, folder):
+        try:
+            found = getattr(importlib.import_module(module), base, None)
+        except Exception as error:  # whatever the generated code, or half of it, may raise
+            if not isinstance(error, ModuleNotFoundError) or error.name != module:
+                raise ConversionError(f"the {kind} type {name[:80]} cannot be loaded: {error}") from None
+    if not hasattr(found, "_md5sum"):
         raise ConversionError(f"the {kind} type {name[:80]} is unknown here")
-    return found
+    return found  # type: ignore[return-value]
 
 
-def full_name(field_type: str) -> str:
-    """The .msg language allows a bare Header."""
-    return "std_msgs/Header" if field_type == "Header" else field_type
-
-
-def integer_decoder(name: str) -> Decoder:
-    low, high = INTEGERS[name]
-
-    def decode(value: Any, where: str) -> int:
-        if type(value) is not int or not low <= value <= high:
-            raise ConversionError(f"{where}: {name} is a whole number from {low} to {high}, not {brief(value)}")
-        return value
-
-    return decode
-
-
-def decode_bool(value: Any, where: str) -> bool:
-    if type(value) is not bool:
-        raise ConversionError(f"{where}: true or false is needed, not {brief(value)}")
-    return value
-
-
-def decode_float64(value: Any, where: str) -> float:
-    if type(value) not in (int, float):
-        raise ConversionError(f"{where}: a number is needed, not {brief(value)}")
+def has_folder(package: str, folder: str) -> bool:
+    """Is it a Python package with such a folder? The package is not imported for that."""
     try:
-        return float(value)
-    except OverflowError:
-        raise ConversionError(f"{where}: {brief(value)} is too large for float64") from None
-
-
-def decode_float32(value: Any, where: str) -> float:
-    number = decode_float64(value, where)
-    try:
-        struct.pack("<f", number)
-    except OverflowError:
-        raise ConversionError(f"{where}: {number} is too large for float32") from None
-    return number
-
-
-def decode_string(value: Any, where: str) -> str:
-    if type(value) is not str:
-        raise ConversionError(f"{where}: a string is needed, not {brief(value)}")
-    try:
-        value.encode()
-    except UnicodeEncodeError:
-        raise ConversionError(f"{where}: {brief(value)} has half a surrogate pair") from None
-    return value
-
-
-def time_decoder(time_class: type[Any], seconds: str) -> Decoder:
-    """genpy's times normalise nsecs, so that only the seconds' range (uint32 or int32) can be left."""
-    decode_seconds, decode_nanoseconds = integer_decoder(seconds), integer_decoder("int32")
-
-    def decode(value: Any, where: str) -> Any:
-        if type(value) is not dict or not value.keys() <= {"secs", "nsecs"}:
-            raise ConversionError(f'{where}: {{"secs": int, "nsecs": int}} is needed, not {brief(value)}')
-        secs = decode_seconds(value.get("secs", 0), f"{where}.secs")
-        nsecs = decode_nanoseconds(value.get("nsecs", 0), f"{where}.nsecs")
-        try:
-            time = time_class(secs, nsecs)
-        except (TypeError, ValueError) as error:
-            raise ConversionError(f"{where}: {error}") from None
-        decode_seconds(time.secs, f"{where}.secs")
-        return time
-
-    return decode
-
-
-def byte_array_decoder(length: int) -> Decoder:
-    """`length` -1: any. rosbridge protocol 4.6."""
-    decode_list = array_decoder(integer_decoder("uint8"), length)
-
-    def decode(value: Any, where: str) -> bytes:
-        if type(value) is not str:
-            return bytes(decode_list(value, where))
-        try:
-            data = base64.b64decode(value, validate=True)
-        except (binascii.Error, ValueError):
-            raise ConversionError(f"{where}: {brief(value)} is not base64") from None
-        if length not in (-1, len(data)):
-            raise ConversionError(f"{where}: {length} bytes are needed, not {len(data)}")
-        return data
-
-    return decode
-
-
-def array_decoder(decode_element: Decoder, length: int) -> Decoder:
-    def decode(value: Any, where: str) -> list[Any]:
-        if type(value) is not list:
-            raise ConversionError(f"{where}: a list is needed, not {brief(value)}")
-        if length not in (-1, len(value)):
-            raise ConversionError(f"{where}: {length} elements are needed, not {len(value)}")
-        return [decode_element(element, f"{where}[{index}]") for index, element in enumerate(value)]
-
-    return decode
-
-
-def array_encoder(encode_element: Encoder) -> Encoder:
-    return lambda values: [encode_element(value) for value in values]
-
-
-def encode_same(value: Any) -> Any:
-    return value
-
-
-def encode_float(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def encode_time(value: Any) -> dict[str, int]:
-    return {"secs": value.secs, "nsecs": value.nsecs}
-
-
-def encode_bytes(value: bytes | list[int]) -> str:
-    return base64.b64encode(bytes(value)).decode("ascii")
-
-
-SCALAR_DECODERS: Mapping[str, Decoder] = {
-    **{name: integer_decoder(name) for name in INTEGERS},
-    "bool": decode_bool,
-    "float32": decode_float32,
-    "float64": decode_float64,
-    "string": decode_string,
-    "time": time_decoder(genpy.Time, "uint32"),
-    "duration": time_decoder(genpy.Duration, "int32"),
-}
-SCALAR_ENCODERS: Mapping[str, Encoder] = {
-    **dict.fromkeys(INTEGERS, encode_same),
-    "bool": encode_same,
-    "string": encode_same,
-    "float32": encode_float,
-    "float64": encode_float,
-    "time": encode_time,
-    "duration": encode_time,
-}
+        spec = importlib.util.find_spec(package)
+    except (ImportError, ValueError):
+        return False
+    places = (spec and spec.submodule_search_locations) or ()
+    return any(os.path.isdir(os.path.join(place, folder)) for place in places)

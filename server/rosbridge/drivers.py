@@ -2,26 +2,24 @@
 
 from collections.abc import Hashable
 
-from laser_bot_battle.msg import Robot_msg
 from laser_bot_battle.names import ROBOT_IDS, command_topic
 from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Gate, Identity
 
 COMMAND_TOPICS = frozenset(map(command_topic, ROBOT_IDS))
+NEUTRAL = bytes(3)  # a serialized Robot_msg that neither moves nor shoots
 
 
 class Drivers:
     """The robots whose last command through this rosbridge was not neutral, each with the client that sent it. What
-    stops robots is returned as neutral commands: neither moving nor shooting."""
+    stops robots is returned as neutral commands."""
 
     def __init__(self) -> None:
         self._moving: dict[str, tuple[Hashable, Identity]] = {}
 
-    def commanded(self, client: Hashable, who: Identity, topic: str, command: Robot_msg) -> None:
-        """`client` has published `command` on `topic`."""
-        if topic not in COMMAND_TOPICS:
-            return
-        if command.linear_x or command.angular_z or command.shoot:
+    def commanded(self, client: Hashable, who: Identity, topic: str, command: bytes) -> None:
+        """`client` has published the serialized `command` on a command topic."""
+        if command != NEUTRAL:
             self._moving[topic] = (client, who)
         else:
             self._moving.pop(topic, None)
@@ -40,4 +38,4 @@ class Drivers:
     def _stop(self, topics: list[str]) -> list[Publish]:
         for topic in topics:
             del self._moving[topic]
-        return [Publish(topic, Robot_msg()) for topic in topics]
+        return [Publish(topic, NEUTRAL) for topic in topics]

@@ -3,13 +3,14 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from server.rosbridge.conversion import MessageType
+from server.rosbridge.conversion import MessageType, ServiceType
 
 
 class Send(NamedTuple):
-    """Send this text to the client."""
+    """Send this to the client: JSON text, or bytes for a binary message; `rest`: more of the same answer."""
 
-    text: str
+    data: str | bytes
+    rest: tuple[str | bytes, ...] = ()
 
 
 class Log(NamedTuple):
@@ -34,10 +35,10 @@ class ClosePublisher(NamedTuple):
 
 
 class Publish(NamedTuple):
-    """`message` is a ROS message of the type that the topic was opened with."""
+    """`data` is a serialized message of the type that the topic was opened with."""
 
     topic: str
-    message: Any
+    data: bytes
 
 
 class OpenSubscription(NamedTuple):
@@ -54,9 +55,22 @@ class CloseSubscription(NamedTuple):
 
 
 class Replay(NamedTuple):
-    """The client has joined an open subscription: offer it the topic's latched message, if there is one."""
+    """The client has subscribed to a topic that is open: offer it the latched messages, if there are any."""
 
     topic: str
+
+
+class FindType(NamedTuple):
+    """Ask ROS for the type of a topic that is in use there; tell `done` its name, or None."""
+
+    topic: str
+    done: Callable[[str | None, float], "list[Effect]"]  # (type or None, time)
+
+
+class Later(NamedTuple):
+    """Call `due` in a second."""
+
+    due: Callable[[float], "list[Effect]"]  # (time)
 
 
 class CallService(NamedTuple):
@@ -64,10 +78,52 @@ class CallService(NamedTuple):
 
     service: str
     args: Any
-    timeout: float  # s
-    done: Callable[[dict[str, Any] | None, str, float], "list[Effect]"]  # (response or None, reason if None, time)
+    timeout: float  # s, or infinity
+    done: Callable[["Response | None", str, float], "list[Effect]"]  # (response or None, reason if None, time)
+
+
+class Response(NamedTuple):
+    """The serialized response of a service, and its type."""
+
+    type: MessageType
+    data: bytes
+
+
+class OpenService(NamedTuple):
+    """The client offers a service to ROS."""
+
+    service: str
+    type: ServiceType
+
+
+class CloseService(NamedTuple):
+    """The client offers it no longer. Calls of it that are under way fail."""
+
+    service: str
+
+
+class Answer(NamedTuple):
+    """The client answers the call `call` of a service that it offers: the serialized response, or None for a failure
+    and its reason."""
+
+    call: int
+    data: bytes | None
+    reason: str
 
 
 Effect = (
-    Send | Log | OpenPublisher | ClosePublisher | Publish | OpenSubscription | CloseSubscription | Replay | CallService
+    Send
+    | Log
+    | OpenPublisher
+    | ClosePublisher
+    | Publish
+    | OpenSubscription
+    | CloseSubscription
+    | Replay
+    | FindType
+    | Later
+    | CallService
+    | OpenService
+    | CloseService
+    | Answer
 )

@@ -5,15 +5,30 @@ Every rule answers with the reason for a refusal, or with an empty string for pe
 """
 
 import hmac
+import io
+import struct
+import time
+from collections.abc import Callable
 from typing import NamedTuple
 
 from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
-from laser_bot_battle.names import GAME_STATUS, command_topic, session_digest
+from laser_bot_battle.names import (
+    GAME_STATUS,
+    command_topic,
+    is_operator_ticket,
+    is_session_ticket,
+    session_digest,
+)
+from server.attempts import Attempts
+from server.rosbridge.globs import Globs
+from server.rosbridge.wire import RequestError
 
 COMMAND_TYPE = Robot_msg._type
 STATUS_TYPE = GameStatus._type
 # The referee speaks at least every 0.5 s. When it is silent for so long it is gone, and with it every right to drive.
 REFEREE_SILENCE = 3.0  # s
+NO_GLOBS = Globs()
+_COMMAND = struct.Struct("<bbB")  # a serialized Robot_msg
 
 
 class Identity(NamedTuple):
@@ -35,21 +50,55 @@ def session_identity(token: str) -> Identity:
 class Gate:
     """The rules, applied to the newest state of the battle."""
 
-    def __init__(self, operator_token: str) -> None:
-        """An empty `operator_token`: nobody is an operator."""
-        self._operator_token = operator_token.encode()
-        self._playing = False
+    def __init__(self, operator_token: str, globs: Globs = NO_GLOBS, clock: Callable[[], float] = time.time) -> None:
+        """An empty `operator_token`: nobody is an operator. What `globs` leave out is refused to them, too. `clock`
+        tells Unix time in s, by which tickets end."""
+        self._operator_token, self._globs = operator_token, globs
+        self._clock = clock
+        self._attempts = Attempts()
+        self._playing = self._practising = self._paused = False
         self._players: dict[str, UserStatus] = {}  # by session
         self._heard = float("-inf")
 
     def update(self, status: GameStatus, now: float) -> None:
         """The referee has spoken."""
         self._playing, self._heard = status.game == GameStatus.PLAYING, now
+        self._paused = status.paused
+        self._practising = status.practice and status.game == GameStatus.STOPPED
         self._players = {user.session: user for user in status.users if user.session}
 
-    def is_operator_token(self, token: str) -> bool:
-        given = token.encode(errors="replace")
-        return bool(self._operator_token) and hmac.compare_digest(given, self._operator_token)
+    @staticmethod
+    def public(status: bytes) -> bytes:
+        """What clients may know of a serialized GameStatus: with a session's digest they could make tickets, and act
+        for its player."""
+        message = GameStatus().deserialize(status)
+        for user in (*message.users, *message.result):
+            user.session = ""
+        buffer = io.BytesIO()
+        message.serialize(buffer)
+        return buffer.getvalue()
+
+    def is_operator_token(self, token: str, address: str, now: float) -> bool:
+        """Whether it is the token, or a ticket of it. RequestError, whatever it is, after too many wrong ones from that
+        address."""
+        if not self._operator_token:
+            return False
+        if not self._attempts.allowed(address, now):
+            raise RequestError("too many wrong operator tokens came from your address: try again in a few seconds")
+        is_token = hmac.compare_digest(token.encode(errors="replace"), self._operator_token.encode())
+        if is_token or is_operator_ticket(token, self._operator_token, self._clock()):
+            return True
+        self._attempts.wrong(address, now)
+        return False
+
+    def proven(self, name: str, secret: str) -> Identity | None:
+        """The signed-in player `name`, if that is the token of this player's session or a ticket of it."""
+        for user in self._players.values():
+            if user.name == name:
+                is_token = hmac.compare_digest(session_digest(secret).encode(), user.session.encode())
+                if is_token or is_session_ticket(secret, user.session, self._clock()):
+                    return Identity(session=user.session)
+        return None
 
     def player(self, who: Identity) -> UserStatus | None:
         """The signed-in player that this is."""
@@ -57,21 +106,25 @@ class Gate:
 
     def refuses_advertising(self, who: Identity, topic: str, type_name: str) -> str:
         if who.operator:
-            return ""
+            return self._hidden_topic(topic)
         if reason := self._not_own(who, "advertise", topic):
             return reason
-        return "" if type_name == COMMAND_TYPE else f"{topic} is of type {COMMAND_TYPE}, not {type_name}"
+        return "" if type_name == COMMAND_TYPE else f"{topic} is of type {COMMAND_TYPE}, not {type_name[:80]}"
 
     def refuses_publishing(self, who: Identity, topic: str, now: float) -> str:
         if who.operator:
-            return ""
+            return self._hidden_topic(topic)
         if reason := self._not_own(who, "publish on", topic):
             return reason
         player = self._players[who.session]
         if now - self._heard > REFEREE_SILENCE:
             obstacle = "nothing heard from the referee"
+        elif self._practising:
+            return ""
         elif not self._playing:
             obstacle = "no battle is running"
+        elif self._paused:
+            obstacle = "the battle is paused"
         elif not player.ready:
             obstacle = "not in this battle"
         elif player.life == 0:
@@ -80,17 +133,33 @@ class Gate:
             return ""
         return f"{player.name} may not drive: {obstacle}"
 
+    def check_command(self, who: Identity, command: bytes) -> None:
+        """RequestError when `command`, a serialized Robot_msg, is none that a player has keys for."""
+        linear_x, angular_z, _ = _COMMAND.unpack(command)
+        if who.operator or (abs(linear_x) <= 1 and abs(angular_z) <= 1):
+            return
+        raise RequestError(f"linear_x and angular_z must be -1, 0 or 1, not {linear_x} and {angular_z}")
+
     def refuses_subscribing(self, who: Identity, topic: str, type_name: str) -> str:
         if who.operator:
-            return ""
+            return self._hidden_topic(topic)
         if topic != GAME_STATUS:
             return f"only operators may subscribe to {topic}; players and guests to {GAME_STATUS}"
         if type_name not in ("", STATUS_TYPE):
-            return f"{topic} is of type {STATUS_TYPE}, not {type_name}"
+            return f"{topic} is of type {STATUS_TYPE}, not {type_name[:80]}"
         return ""
 
     def refuses_calling(self, who: Identity, service: str) -> str:
-        return "" if who.operator else f"only operators may call {service}"
+        return self._hidden_service(service) if who.operator else f"only operators may call {service}"
+
+    def refuses_offering(self, who: Identity, service: str) -> str:
+        return self._hidden_service(service) if who.operator else f"only operators may offer {service}"
+
+    def _hidden_topic(self, topic: str) -> str:
+        return "" if self._globs.allows_topic(topic) else f"LASERBOT_TOPICS_GLOB leaves {topic} out"
+
+    def _hidden_service(self, service: str) -> str:
+        return "" if self._globs.allows_service(service) else f"LASERBOT_SERVICES_GLOB leaves {service} out"
 
     def _not_own(self, who: Identity, verb: str, topic: str) -> str:
         """Why this is not the command topic of a player's own robot."""

@@ -1,4 +1,5 @@
-"""Which topics rosbridge has open in ROS, and for whom: one publisher and one subscriber a topic for all clients."""
+"""What rosbridge has open in ROS, and for whom: one publisher and one subscriber a topic for all clients, and services,
+each of one client."""
 
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
@@ -30,6 +31,20 @@ class Graph:
 
     def __init__(self) -> None:
         self._topics: dict[str, Topic] = {}
+        self._services: dict[str, Hashable] = {}
+
+    def client_of(self, service: str) -> Hashable | None:
+        """Who offers this service."""
+        return self._services.get(service)
+
+    def offer(self, client: Hashable, service: str) -> None:
+        """`client` will answer calls; RequestError when another client does."""
+        if service in self._services:
+            raise RequestError(f"another client of rosbridge offers {service}")
+        self._services[service] = client
+
+    def withdraw(self, service: str) -> None:
+        del self._services[service]
 
     def type_of(self, topic: str) -> MessageType | None:
         """The type of an open topic."""
@@ -41,7 +56,8 @@ class Graph:
         return open_topic.subscriptions.values() if open_topic else ()
 
     def advertise(self, client: Hashable, topic: str, message_type: MessageType, latch: bool) -> list[Effect]:
-        """`client` will publish. Whether the topic is latched is the first client's choice."""
+        """`client` will publish. Whether the topic is latched is the first client's choice. RequestError when the topic
+        is open with another type."""
         publishers = self._open(topic, message_type).publishers
         first = not publishers
         publishers.add(client)

@@ -1,200 +1,164 @@
-"""rosbridge's topics in ROS, by rospy.
-
-rospy talks to the master in the calling thread, and calls back from threads of its own. Here one thread beside the
-event loop talks to the master, in order, and what comes back is handed to the event loop, so that no client ever waits.
-"""
+"""rosbridge's topics and services in ROS, on a node of its own event loop."""
 
 import asyncio
-import contextlib
+import itertools
 import logging
-import queue
-import threading
-from collections import deque
-from collections.abc import Callable
-from typing import Any, TypeVar
+import struct
+from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
 
-import rospy
-
-from server.rosbridge.command_publisher import command_publisher
-from server.rosbridge.conversion import MessageType
+from laser_bot_battle.master import MasterError
+from server.rosbridge.clock import Clock
+from server.rosbridge.conversion import MessageType, ServiceType, Types
 from server.rosbridge.drivers import COMMAND_TOPICS
+from server.rosbridge.effects import CallService, Response
+from server.rosbridge.wire import RequestError
+from server.tcpros.node import Node
+from server.tcpros.publisher import Publisher
+from server.tcpros.service import Service
+from server.tcpros.specs import ServiceError, ServiceSpec, TypeSpec
+from server.tcpros.subscriber import Subscriber
 
-T = TypeVar("T")
 _log = logging.getLogger(__name__)
 
-# Messages that wait for one slow subscriber, the oldest giving way. rospy sends them from a thread per subscriber.
-PUBLISHER_QUEUE = 10
-# Messages of one topic that wait for the event loop, the oldest giving way.
-SUBSCRIBER_QUEUE = 1000
-# A publisher outlives its last client by this, so that the last command (neutral, above all) gets out.
-LINGER = 1.0  # s
+# A publisher outlives its last client, so that its last messages reach those who are just connecting to it, and a
+# client that comes and goes costs the ROS master nothing. Upstream's rosbridge waits as long.
+LINGER = 10.0  # s
 
+# A publisher that cannot be reached keeps nobody waiting for longer.
+SETTLING = 1.0  # s
 
-class Registrar:
-    """One thread that does all that may block on the master, one thing after the other."""
+_SEQ = struct.Struct("<I")
 
-    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self._loop = loop
-        self._jobs: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
-        # a daemon, since a dead master must not keep the process
-        threading.Thread(target=self._run, name="registrar", daemon=True).start()
-
-    def run(self, job: Callable[[], T]) -> asyncio.Future[T]:
-        """Do `job` in the thread; its result or exception comes by the future."""
-        future: asyncio.Future[T] = self._loop.create_future()
-
-        def done(result: T | None, error: Exception | None) -> None:
-            if future.cancelled():
-                return
-            if error is not None:
-                future.set_exception(error)
-            else:
-                future.set_result(result)  # type: ignore[arg-type]
-
-        def work() -> None:
-            result, failure = None, None
-            try:
-                result = job()
-            except Exception as error:  # belongs to whoever awaits it
-                failure = error
-            call_in_loop(self._loop, lambda: done(result, failure))
-
-        self._jobs.put(work)
-        return future
-
-    def _run(self) -> None:
-        while True:
-            self._jobs.get()()
-
-
-def call_in_loop(loop: asyncio.AbstractEventLoop, call: Callable[[], None]) -> None:
-    """Call `call` in the event loop, from another thread; nothing happens once the loop is closed."""
-    with contextlib.suppress(RuntimeError):
-        loop.call_soon_threadsafe(call)
-
-
-class TopicPublisher:
-    """One topic's rospy publisher, from before it is registered until after it is unregistered."""
-
-    def __init__(self, registrar: Registrar, topic: str, message_type: MessageType, latch: bool) -> None:
-        self.message_class, self.latch = message_type.message_class, latch
-        self.closing: asyncio.TimerHandle | None = None
-        self._topic = topic
-        self._registrar = registrar
-        self._has_header = "header" in self.message_class.__slots__
-        self._registered: rospy.Publisher | None = None  # the registrar's
-        self._publisher: rospy.Publisher | None = None  # the same, once the early messages may follow
-        self._early: deque[Any] = deque(maxlen=PUBLISHER_QUEUE)  # until the publisher is there
-        registrar.run(self._open).add_done_callback(self._opened)
-
-    def publish(self, message: Any) -> None:
-        if self._has_header and not message.header.stamp:
-            message.header.stamp = rospy.Time.now()
-        if self._publisher is None:
-            self._early.append(message)
-        else:
-            self._publisher.publish(message)
-
-    def unregister(self) -> None:
-        self._registrar.run(lambda: self._registered and self._registered.unregister())
-
-    def _open(self) -> None:
-        """In the registrar's thread."""
-        if self._topic in COMMAND_TOPICS:
-            self._registered = command_publisher(self._topic, self.message_class)
-        else:
-            self._registered = rospy.Publisher(
-                self._topic, self.message_class, latch=self.latch, queue_size=PUBLISHER_QUEUE, tcp_nodelay=True
-            )
-
-    def _opened(self, future: asyncio.Future[None]) -> None:
-        if error := future.exception():
-            _log.error("cannot publish on %s: %s", self._topic, error)
-            return
-        self._publisher = publisher = self._registered
-        while publisher and self._early:
-            publisher.publish(self._early.popleft())
+Deliver = Callable[[str, MessageType, bytes], None]  # (topic, type, serialized message)
 
 
 class TopicSubscriber:
-    """One topic's rospy subscriber; hands its messages to `deliver` in the event loop."""
+    """One topic's subscriber."""
 
-    def __init__(
-        self, registrar: Registrar, loop: asyncio.AbstractEventLoop, topic: str, message_type: MessageType,
-        deliver: Callable[[str, MessageType, Any], None],
-    ) -> None:  # fmt: skip
-        self.latched: Any = None  # the newest message of a latched topic
+    def __init__(self, node: Node, topic: str, message_type: MessageType, deliver: Deliver) -> None:
         self._topic, self._type, self._deliver = topic, message_type, deliver
-        self._loop, self._registrar = loop, registrar
-        self._waiting: deque[Any] = deque(maxlen=SUBSCRIBER_QUEUE)
-        self._take_is_due = False
-        self._closed = False
-        self._subscriber: rospy.Subscriber | None = None
-        registrar.run(self._open).add_done_callback(self._opened)
+        self._subscriber: Subscriber = node.subscribe(topic, type_spec(message_type), self._received)
 
-    def unregister(self) -> None:
-        self._closed = True
-        self._registrar.run(lambda: self._subscriber and self._subscriber.unregister())
+    async def settled(self) -> None:
+        await self._subscriber.settled()
 
-    def _open(self) -> None:
-        self._subscriber = rospy.Subscriber(self._topic, self._type.message_class, self._received, tcp_nodelay=True)
+    def latched(self) -> list[bytes]:
+        return self._subscriber.latched()
 
-    def _opened(self, future: asyncio.Future[None]) -> None:
-        if error := future.exception():
-            _log.error("cannot subscribe to %s: %s", self._topic, error)
+    def close(self) -> None:
+        self._subscriber.close()
 
-    def _received(self, message: Any) -> None:
-        """In rospy's thread. One call in the event loop takes all that has come meanwhile."""
-        self._waiting.append(message)
-        if not self._take_is_due:
-            self._take_is_due = True
-            call_in_loop(self._loop, self._take)
+    def _received(self, data: bytes, _: Mapping[str, str]) -> None:
+        self._deliver(self._topic, self._type, data)
 
-    def _take(self) -> None:
-        self._take_is_due = False
-        while self._waiting and not self._closed:
-            message = self._waiting.popleft()
-            if message._connection_header.get("latching") == "1":
-                self.latched = message
-            self._deliver(self._topic, self._type, message)
+
+class TopicPublisher:
+    """One topic's publisher, until its time after the last client is over."""
+
+    def __init__(self, node: Node, topic: str, message_type: MessageType, latch: bool) -> None:
+        self.terms = (message_type.name, latch)
+        self.closing: asyncio.TimerHandle | None = None
+        self._has_header = bool(message_type.message_class._has_header)
+        self._numbers = itertools.count(1)
+        self._publisher: Publisher = node.advertise(
+            topic, type_spec(message_type), latch=latch, latest=topic in COMMAND_TOPICS
+        )
+
+    def publish(self, data: bytes) -> None:
+        if self._has_header:  # which begins with the message's number, for the publisher to count
+            data = _SEQ.pack(next(self._numbers) & 0xFFFFFFFF) + data[_SEQ.size :]
+        self._publisher.publish(data)
+
+    def close(self) -> None:
+        self._publisher.close()
 
 
 class Ros:
-    """All topics that rosbridge has open. Its methods are for the event loop's thread, and never block it."""
+    """All that rosbridge has open. For the event loop's thread; nothing blocks."""
 
-    def __init__(self, loop: asyncio.AbstractEventLoop, deliver: Callable[[str, MessageType, Any], None]) -> None:
-        """`deliver(topic, type, message)` is called in the event loop for every message received."""
-        self.registrar = Registrar(loop)
-        self._loop = loop
-        self._deliver = deliver
+    def __init__(self, node: Node, types: Types, clock: Clock, deliver: Deliver) -> None:
+        self._node, self._types, self._clock, self._deliver = node, types, clock, deliver
+        self._loop = asyncio.get_running_loop()
         self._publishers: dict[str, TopicPublisher] = {}
         self._subscribers: dict[str, TopicSubscriber] = {}
+        self._services: dict[str, Service] = {}
 
     def open_publisher(self, topic: str, message_type: MessageType, latch: bool) -> None:
         lingering = self._publishers.get(topic)
         if lingering is not None and lingering.closing is not None:
             lingering.closing.cancel()
             lingering.closing = None
-            if (lingering.message_class, lingering.latch) == (message_type.message_class, latch):
+            if lingering.terms == (message_type.name, latch):
                 return
-            lingering.unregister()
-        self._publishers[topic] = TopicPublisher(self.registrar, topic, message_type, latch)
+            lingering.close()
+        self._publishers[topic] = TopicPublisher(self._node, topic, message_type, latch)
 
-    def publish(self, topic: str, message: Any) -> None:
-        self._publishers[topic].publish(message)
+    def publish(self, topic: str, data: bytes) -> None:
+        self._publishers[topic].publish(data)
 
     def close_publisher(self, topic: str) -> None:
         self._publishers[topic].closing = self._loop.call_later(LINGER, self._close_publisher, topic)
 
     def open_subscription(self, topic: str, message_type: MessageType) -> None:
-        self._subscribers[topic] = TopicSubscriber(self.registrar, self._loop, topic, message_type, self._deliver)
+        self._subscribers[topic] = TopicSubscriber(self._node, topic, message_type, self._deliver)
 
-    def latched(self, topic: str) -> Any:
-        """The newest message of an open, latched topic, or None."""
-        return self._subscribers[topic].latched
+    async def settled(self, topic: str) -> None:
+        """Wait until the publishers of an open topic have this subscriber, as far as they answer in time."""
+        if topic in self._subscribers:
+            with suppress(TimeoutError):
+                async with asyncio.timeout(SETTLING):
+                    await self._subscribers[topic].settled()
+
+    def latched(self, topic: str) -> list[bytes]:
+        """The newest messages of an open topic's latching publishers."""
+        return self._subscribers[topic].latched()
 
     def close_subscription(self, topic: str) -> None:
-        self._subscribers.pop(topic).unregister()
+        self._subscribers.pop(topic).close()
+
+    def open_service(self, service: str, service_type: ServiceType, ask: Callable[[bytes], Awaitable[bytes]]) -> None:
+        """Calls of `service` are answered by `ask`."""
+        self._services[service] = self._node.serve(service, ServiceSpec(service_type.name, service_type.md5sum), ask)
+
+    def close_service(self, service: str) -> None:
+        self._services.pop(service).close()
+
+    async def type_of(self, topic: str) -> str | None:
+        """The type of a topic that somebody else in ROS publishes or subscribes to now; None when nobody does, or the
+        master does not answer. (The master alone remembers types of topics long gone.)"""
+        try:
+            publishers, subscribers, _ = await self._node.master("getSystemState")
+            nodes = {node for name, who in [*publishers, *subscribers] if name == topic for node in who}
+            if not nodes - {self._node.name}:
+                return None
+            types: dict[str, str] = dict(await self._node.master("getTopicTypes"))
+        except (OSError, MasterError, TypeError, ValueError) as error:
+            _log.warning("the ROS master does not tell the type of %s: %s", topic, error)
+            return None
+        found = types.get(topic, "*")
+        return None if found == "*" else found
+
+    async def call(self, call: CallService) -> Response:
+        """The response; RequestError says why there is none."""
+        found: list[ServiceType] = []
+
+        def make_request(header: Mapping[str, str]) -> bytes:
+            service_type = self._types.service(header.get("type", ""))
+            if header.get("md5sum") != service_type.md5sum:
+                raise RequestError(f"the service has another version of {service_type.name} than rosbridge")
+            found.append(service_type)
+            return service_type.pack_request(call.args, self._clock.now)
+
+        try:
+            data, _ = await self._node.call(call.service, make_request, call.timeout)
+        except ServiceError as error:
+            raise RequestError(str(error)) from None
+        return Response(found[0].response, data)
 
     def _close_publisher(self, topic: str) -> None:
-        self._publishers.pop(topic).unregister()
+        self._publishers.pop(topic).close()
+
+
+def type_spec(message_type: MessageType) -> TypeSpec:
+    return TypeSpec(message_type.name, message_type.md5sum, message_type.definition)

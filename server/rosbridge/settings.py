@@ -2,22 +2,39 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 from laser_bot_battle import variables
-from laser_bot_battle.settings import SettingsError
+from laser_bot_battle.settings import Variable
 from server.node import NodeSettings
+from server.operator_token import read_operator_token
+from server.rosbridge.globs import Globs
 
 VARIABLES = (
     variables.BIND,
     variables.ROSBRIDGE,
     variables.OPERATOR_TOKEN,
     variables.OPERATOR_TOKEN_FILE,
+    variables.OPEN,
+    variables.TOPICS_GLOB,
+    variables.SERVICES_GLOB,
+    variables.PARAMS_GLOB,
+    variables.WEB,
+    variables.ORIGINS,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
 )
+
+
+# What the command line can say instead of the environment.
+OPTIONS: dict[str, Variable[Any]] = {
+    "--port": variables.ROSBRIDGE,
+    "--open": variables.OPEN,
+    "--topics-glob": variables.TOPICS_GLOB,
+    "--services-glob": variables.SERVICES_GLOB,
+    "--params-glob": variables.PARAMS_GLOB,
+}
 
 
 @dataclass(frozen=True)
@@ -26,24 +43,23 @@ class Settings:
 
     node: NodeSettings
     operator_token: str  # empty: nobody is an operator
+    is_open: bool  # everybody may do what an operator may
+    globs: Globs
+    web_port: int  # of the game's pages
+    origins: tuple[str, ...]  # further addresses of them
 
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:
         """Read `environ`. SettingsError for an impossible value."""
         return cls(
             node=NodeSettings.from_env(environ, variables.ROSBRIDGE),
-            operator_token=_operator_token(environ),
+            operator_token=read_operator_token(environ),
+            is_open=variables.OPEN.read(environ),
+            globs=Globs(
+                variables.TOPICS_GLOB.read(environ),
+                variables.SERVICES_GLOB.read(environ),
+                variables.PARAMS_GLOB.read(environ),
+            ),
+            web_port=variables.WEB.read(environ),
+            origins=variables.ORIGINS.read(environ),
         )
-
-
-def _operator_token(environ: Mapping[str, str]) -> str:
-    """The token itself or the contents of a file, which an environment does not show."""
-    token, path = variables.OPERATOR_TOKEN.read(environ), variables.OPERATOR_TOKEN_FILE.read(environ)
-    if not path:
-        return token
-    if token:
-        raise SettingsError("LASERBOT_OPERATOR_TOKEN and LASERBOT_OPERATOR_TOKEN_FILE are both set: choose one")
-    try:
-        return Path(path).read_text().strip()
-    except (OSError, UnicodeDecodeError) as error:
-        raise SettingsError(f"LASERBOT_OPERATOR_TOKEN_FILE={path}: cannot be read: {error}") from None

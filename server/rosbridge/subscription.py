@@ -2,22 +2,35 @@
 
 from collections import deque
 from collections.abc import Hashable
+from typing import NamedTuple
 
-from server.rosbridge.wire import Id, dumps
+from server.rosbridge.compression import COMPRESSIONS
+from server.rosbridge.delivery import Delivery, Form
+from server.rosbridge.wire import Id
+
+
+class Terms(NamedTuple):
+    """What one request to subscribe asks for."""
+
+    throttle: float = 0.0  # s between messages
+    queue_length: int = 0
+    compression: str = "none"
+    fragment_size: int | None = None  # characters
 
 
 class Subscription:
     """A client may subscribe to a topic several times with different ids; it then gets each message once, at the
-    lowest throttle rate and with the longest queue that it asked for."""
+    lowest throttle rate, with the longest queue and the smallest fragments that it asked for."""
 
     def __init__(self, client: Hashable, topic: str) -> None:
         """`topic` as the client writes it, for that is the name by which it knows the messages."""
         self.client = client
         self.queue_length = 0
-        self._throttle = 0.0  # s between messages
-        self._terms: dict[Id, tuple[float, int]] = {}  # throttle and queue length by request
-        self._head = f'{{"op":"publish","topic":{dumps(topic)},"msg":'
-        self._waiting: deque[str] = deque()
+        self.form = Form(topic)
+        self._topic = topic
+        self._throttle = 0.0
+        self._terms: dict[Id, Terms] = {}
+        self._waiting: deque[Delivery] = deque()
         self._next = float("-inf")  # when the next message may be sent
 
     @property
@@ -27,9 +40,9 @@ class Subscription:
     def has(self, request_id: Id) -> bool:
         return request_id in self._terms
 
-    def add(self, request_id: Id, throttle: float, queue_length: int) -> None:
-        """One more request to subscribe, or other terms for an earlier one; `throttle` in s."""
-        self._terms[request_id] = (throttle, queue_length)
+    def add(self, request_id: Id, terms: Terms) -> None:
+        """One more request to subscribe, or other terms for an earlier one."""
+        self._terms[request_id] = terms
         self._agree()
 
     def remove(self, request_id: Id) -> bool:
@@ -38,13 +51,13 @@ class Subscription:
         self._agree()
         return not self._terms
 
-    def offer(self, message: str, now: float) -> str | None:
-        """A message (JSON text) has come: the text to send at once, if any."""
+    def offer(self, message: Delivery, now: float) -> Delivery | None:
+        """A message has come: what to send at once, if anything."""
         if not self._throttle:
-            return f"{self._head}{message}}}"
+            return message
         if now >= self._next and not self._waiting:
             self._next = now + self._throttle
-            return f"{self._head}{message}}}"
+            return message
         if self.queue_length:
             self._waiting.append(message)  # the oldest gives way
         return None
@@ -54,18 +67,24 @@ class Subscription:
         """When to ask for a waiting message."""
         return self._next if self._waiting else None
 
-    def release(self, now: float) -> str | None:
+    def release(self, now: float) -> Delivery | None:
         """The waiting message that is due."""
         if not self._waiting or now < self._next:
             return None
         self._next = now + self._throttle
-        return f"{self._head}{self._waiting.popleft()}}}"
+        return self._waiting.popleft()
 
     def end(self) -> None:
         """Nothing is due any more."""
         self._waiting.clear()
 
     def _agree(self) -> None:
-        self._throttle = min((throttle for throttle, _ in self._terms.values()), default=0.0)
-        self.queue_length = max((length for _, length in self._terms.values()), default=0)
+        terms = self._terms.values()
+        self._throttle = min((each.throttle for each in terms), default=0.0)
+        self.queue_length = max((each.queue_length for each in terms), default=0)
         self._waiting = deque(self._waiting, maxlen=self.queue_length)
+        self.form = Form(
+            self._topic,
+            max((each.compression for each in terms), key=COMPRESSIONS.index, default="none"),  # the shortest asked for
+            min((each.fragment_size for each in terms if each.fragment_size is not None), default=None),
+        )

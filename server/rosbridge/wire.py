@@ -1,13 +1,21 @@
 """JSON text on the WebSocket: strict parsing of requests, compact writing of replies."""
 
 import json
-import math
 import re
 from typing import Any
 
-dumps = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
+from laser_bot_battle.names import ROSBRIDGE_NODE
 
-ROS_NAME = re.compile(r"/?[A-Za-z]\w*(/[A-Za-z]\w*)*", re.ASCII)
+dumps = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
+loads = json.JSONDecoder().decode
+
+# What ROS has in use is more than its naming rules allow: a digit or a dash in front of a part, a dot in it.
+ROS_NAME = re.compile(r"[/~]?[A-Za-z0-9_][\w.:+-]*(/[\w.:+-]+)*", re.ASCII)
+SURROGATE = re.compile("[\ud800-\udfff]")
+MAX_NAME = 200  # characters
+MAX_NUMBER = 1e9
+MAX_LINE = 300  # characters
+MAX_ID = 256  # characters: it is kept, and comes back with every answer
 
 # A request's id may be text or a whole number (rosbridge protocol 1).
 Id = str | int | None
@@ -25,7 +33,13 @@ class Request:
     def __init__(self, fields: dict[str, Any]) -> None:
         self.fields = fields
         given = fields.get("id")
-        self.id: Id = given if type(given) in (str, int) else None
+        if type(given) not in (str, int):
+            given = None
+        elif len(given if type(given) is str else str(given)) > MAX_ID:
+            raise RequestError(f"an id may have {MAX_ID} characters")
+        elif type(given) is str and SURROGATE.search(given):  # which CBOR cannot give back
+            raise RequestError("the id has half a surrogate pair")
+        self.id: Id = given
 
     def text(self, name: str) -> str:
         """A string that must be there."""
@@ -38,9 +52,12 @@ class Request:
         """The global ROS name that must be there: rosbridge lives in the root namespace. Whatever is compared with a
         topic or service (the gate's rules above all) must be compared with this form."""
         value = self.text(name)
-        if len(value) > 200 or not ROS_NAME.fullmatch(value):
+        canonical = value.rstrip("/").replace("//", "/") if "/" in value[1:] else value
+        if len(value) > MAX_NAME or not ROS_NAME.fullmatch(canonical):
             raise RequestError(f"{brief(value)} is not a ROS name")
-        return value if value.startswith("/") else f"/{value}"
+        if canonical.startswith("~"):
+            return f"/{ROSBRIDGE_NODE}/{canonical[1:]}"
+        return canonical if canonical.startswith("/") else f"/{canonical}"
 
     def optional_text(self, name: str, default: str) -> str:
         return default if self.fields.get(name) is None else self.text(name)
@@ -55,13 +72,13 @@ class Request:
         return value
 
     def number(self, name: str, default: float) -> float:
-        """A number, 0 or more."""
+        """A number from 0 to MAX_NUMBER."""
         value = self.fields.get(name)
         if value is None:
             return default
-        if type(value) not in (int, float) or not 0 <= value < math.inf:
-            raise RequestError(f"the field {name!r} must be a number, 0 or more, {self._given(name)}")
-        return value  # type: ignore[no-any-return]
+        if type(value) not in (int, float) or not 0 <= value <= MAX_NUMBER:
+            raise RequestError(f"the field {name!r} must be a number from 0 to {MAX_NUMBER:g}, {self._given(name)}")
+        return float(value)
 
     def flag(self, name: str) -> bool:
         """True or false, false when missing."""
@@ -89,22 +106,6 @@ def parse(text: str | bytes) -> dict[str, Any]:
     return value
 
 
-def refuse_constant(name: str) -> None:
-    """Python reads NaN and Infinity, which are no JSON."""
-    raise ValueError(f"{name} is not a JSON value")
-
-
-def finite(digits: str) -> float:
-    """Python reads 1e999 as infinity, which no reply could carry."""
-    number = float(digits)
-    if math.isinf(number):
-        raise ValueError(f"{digits[:20]} is too large a number")
-    return number
-
-
-loads = json.JSONDecoder(parse_constant=refuse_constant, parse_float=finite).decode
-
-
 def status(level: str, message: str, request_id: Id = None) -> str:
     """The protocol's status operation."""
     return dumps(with_id({"op": "status", "level": level, "msg": message}, request_id))
@@ -118,7 +119,14 @@ def with_id(operation: dict[str, Any], request_id: Id) -> dict[str, Any]:
 def brief(value: Any) -> str:
     """A JSON value for an error text: never long."""
     try:
-        text = dumps(value)
+        text = json.dumps(value)
     except RecursionError:
         return "a deeply nested value"
+    except ValueError:
+        return "a huge number"
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def one_line(text: str) -> str:
+    """Text for the log that may be a client's: it neither looks like lines of its own, nor fills the log."""
+    return text[:MAX_LINE] if text.isprintable() else repr(text[:MAX_LINE])

@@ -1,17 +1,20 @@
-"""auth: a client without a cookie says who it is (rosbridge protocol 1 `auth`; fields as roslib sends them).
+"""auth: a client says who it is, whatever cookie it has (rosbridge protocol 1 `auth`; fields as roslib sends them).
 
-{"op": "auth", "client": name, "mac": token}: a player gives name and session token, an operator "operator" and the
-operator's token. The further fields of the protocol (dest, rand, t, level, end) have no meaning here.
+{"op": "auth", "client": name, "mac": secret}: a player gives name and session token, or the ticket that a page gets
+from GET /session; an operator gives "operator" and the operator's token. The further fields of the protocol (dest,
+rand, t, level, end) have no meaning here.
 """
 
-import hmac
+import logging
 from collections.abc import Mapping
 
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import SIGN_UP_GRACE, Claim
-from server.rosbridge.effects import Effect
-from server.rosbridge.gate import OPERATOR, session_identity
-from server.rosbridge.wire import Request
+from server.rosbridge.effects import Effect, Log
+from server.rosbridge.gate import OPERATOR
+from server.rosbridge.wire import Request, RequestError
+
+MAX_SECRET = 1000  # characters
 
 
 class Auth(Capability):
@@ -19,23 +22,34 @@ class Auth(Capability):
         return {"auth": self.auth}
 
     def auth(self, request: Request, now: float) -> list[Effect]:
-        name, token = request.text("client"), request.text("mac")
-        # a player may bear this name too: a token that is not the operator's may still be the player's
-        if name == "operator" and self.client.gate.is_operator_token(token):
-            self.client.claim, self.client.identity = None, OPERATOR
-            return []
-        self.client.claim = Claim(name, session_identity(token), request.id, now + SIGN_UP_GRACE)
+        name, secret = request.text("client"), request.text("mac")
+        if len(secret) > MAX_SECRET:
+            raise RequestError(f"the field 'mac' has more than {MAX_SECRET} characters")
+        self.client.claim = Claim(name, secret, request.id, now + SIGN_UP_GRACE, may_be_operator=name == "operator")
         return self.updated(now)
 
     def updated(self, now: float) -> list[Effect]:
-        claim = self.client.claim
+        client, claim = self.client, self.client.claim
         if claim is None:
             return []
-        player = self.client.gate.player(claim.identity)
-        if player is None and now < claim.until:
-            return []
-        self.client.claim = None
-        if player is not None and hmac.compare_digest(player.name.encode(), claim.name.encode(errors="replace")):
-            self.client.identity = claim.identity
-            return []
-        return self.client.report("error", "no player has this name and this token", now, claim.id)
+        effects, reason = list[Effect](), "no player has this name and this token"
+        # a player may be called operator, too
+        identity = client.gate.proven(claim.name, claim.secret)
+        if identity is None and claim.may_be_operator:
+            try:
+                is_operator = client.gate.is_operator_token(claim.secret, client.address, now)
+            except RequestError as error:  # its turn may come while the claim waits
+                reason = str(error)
+            else:
+                client.claim = claim._replace(may_be_operator=False)
+                if is_operator:
+                    identity = OPERATOR
+                else:
+                    text = f"wrong operator token from {client.address}"
+                    effects = client.log(Log(logging.WARNING, text), now)
+        if identity is not None:
+            client.claim, client.identity = None, identity
+        elif now >= claim.until:
+            client.claim = None
+            effects += client.report("error", reason, now, claim.id)
+        return effects

@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 
 from server.rosbridge.context import Context
 from server.rosbridge.effects import Effect
-from server.rosbridge.wire import Request
+from server.rosbridge.wire import Request, RequestError, brief
 
 Handler = Callable[[Request, float], list[Effect]]  # (request, monotonic time in s); RequestError refuses the request
 
@@ -27,3 +27,16 @@ class Capability(ABC):
     def closed(self) -> list[Effect]:
         """The client is gone: close what it had open."""
         return []
+
+
+def compression(request: Request, known: tuple[str, ...]) -> str:
+    """How the client wants the answers to this request."""
+    value = request.optional_text("compression", "none")
+    if value not in known:
+        raise RequestError(f"compression {brief(value)} is not supported, only {', '.join(known)}")
+    return value
+
+
+def fragment_size(request: Request) -> int | None:
+    """Of how many characters the client wants texts at most; None: as they are."""
+    return request.count("fragment_size", 0) or None

@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from server.rosbridge.capabilities.capability import Capability, Handler
-from server.rosbridge.context import SIGN_UP_GRACE, Context
+from server.rosbridge.context import SIGN_UP_GRACE, Context, TypeWantedError, UnsettledError
 from server.rosbridge.conversion import MessageType
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import Effect, Publish
-from server.rosbridge.gate import COMMAND_TYPE
 from server.rosbridge.wire import Id, Request, RequestError
 
-MAX_TOPICS = 100
+MAX_TOPICS = 1000
+MAX_WAITING = 100  # topics that a newcomer has advertised too early
 # A held key publishes at 40 Hz; its owner need not read the same refusal as often.
 REPEAT_REFUSAL = 1.0  # s
 
@@ -30,6 +30,7 @@ class Publishing(Capability):
     def __init__(self, client: Context) -> None:
         super().__init__(client)
         self._advertised: dict[str, MessageType] = {}
+        self._used: set[str] = set()  # topics on which it has published
         self._waiting: list[Advertisement] = []
         self._refused = ("", float("-inf"))  # reason and time of the last refused publish
 
@@ -38,8 +39,10 @@ class Publishing(Capability):
 
     def advertise(self, request: Request, now: float) -> list[Effect]:
         topic, type_name = request.ros_name("topic"), request.text("type")
-        wanted = Advertisement(topic, type_name, request.flag("latch"), request.id, now + SIGN_UP_GRACE)
-        if self._refusal(wanted) and self.client.is_newcomer() and len(self._waiting) < MAX_TOPICS:
+        # a robot must never act on an old command
+        latch = request.flag("latch") and topic not in COMMAND_TOPICS
+        wanted = Advertisement(topic, type_name, latch, request.id, now + SIGN_UP_GRACE)
+        if self._refusal(wanted) and self.client.is_newcomer() and len(self._waiting) < MAX_WAITING:
             self._waiting.append(wanted)
             return []
         return self._decide(wanted)
@@ -48,14 +51,17 @@ class Publishing(Capability):
         if not self._waiting:
             return []
         is_newcomer = self.client.is_newcomer()
-        due = [wanted for wanted in self._waiting if now >= wanted.until or not is_newcomer]
-        self._waiting = [wanted for wanted in self._waiting if wanted not in due]
+        due = self._waiting if not is_newcomer else [wanted for wanted in self._waiting if now >= wanted.until]
+        self._waiting = [wanted for wanted in self._waiting if is_newcomer and now < wanted.until]
         effects: list[Effect] = []
         for wanted in due:
             try:
                 effects += self._decide(wanted)
             except RequestError as error:
                 effects += self.client.report("error", str(error), now, wanted.id)
+            except TypeWantedError:  # an operator by now, who may say it again
+                text = f"{wanted.topic} was advertised before you signed in: advertise it again"
+                effects += self.client.report("error", text, now, wanted.id)
         return effects
 
     def unadvertise(self, request: Request, now: float) -> list[Effect]:
@@ -63,6 +69,7 @@ class Publishing(Capability):
         waiting = len(self._waiting)
         self._waiting = [wanted for wanted in self._waiting if wanted.topic != topic]
         if self._advertised.pop(topic, None) is not None:
+            self._used.discard(topic)
             return [*self.client.drivers.stop(self.client, topic), *self.client.graph.unadvertise(self.client, topic)]
         if len(self._waiting) < waiting:
             return []
@@ -72,12 +79,22 @@ class Publishing(Capability):
         topic, client = request.ros_name("topic"), self.client
         if reason := client.gate.refuses_publishing(client.identity, topic, now):
             return self._refuse(reason, now)
-        message_type = self._advertised.get(topic) or self._type_of(topic)
-        message = message_type.decode(request.fields.get("msg", {}), "")
-        opened = [] if topic in self._advertised else self._advertise(topic, message_type, False)
-        if message_type.name == COMMAND_TYPE:
-            client.drivers.commanded(client, client.identity, topic, message)
-        return [*opened, Publish(topic, message)]
+        # an answer to it could come before the client hears it; a stream that runs already must not stop for that
+        if client.unsettled and topic not in self._used and topic not in COMMAND_TOPICS:
+            raise UnsettledError(topic)
+        message_type = self._advertised.get(topic)
+        # a client may publish what it has not advertised: it may have been refused that before the gate knew its player
+        opened = []
+        if message_type is None:
+            message_type = client.topic_type(topic, request.optional_text("type", ""))
+        data = message_type.pack(request.fields.get("msg", {}), client.clock.now)
+        if topic in COMMAND_TOPICS:
+            client.gate.check_command(client.identity, data)
+            client.drivers.commanded(client, client.identity, topic, data)
+        if topic not in self._advertised:
+            opened = self._advertise(topic, message_type, request.flag("latch") and topic not in COMMAND_TOPICS)
+        self._used.add(topic)
+        return [*opened, Publish(topic, data)]
 
     def closed(self) -> list[Effect]:
         effects: list[Effect] = [*self.client.drivers.stop(self.client)]
@@ -92,7 +109,7 @@ class Publishing(Capability):
     def _decide(self, wanted: Advertisement) -> list[Effect]:
         if reason := self._refusal(wanted):
             raise RequestError(reason)
-        return self._advertise(wanted.topic, self.client.types.message(wanted.type_name), wanted.latch)
+        return self._advertise(wanted.topic, self.client.topic_type(wanted.topic, wanted.type_name), wanted.latch)
 
     def _advertise(self, topic: str, message_type: MessageType, latch: bool) -> list[Effect]:
         if topic not in self._advertised and len(self._advertised) >= MAX_TOPICS:
@@ -100,16 +117,6 @@ class Publishing(Capability):
         effects = self.client.graph.advertise(self.client, topic, message_type, latch)
         self._advertised[topic] = message_type
         return effects
-
-    def _type_of(self, topic: str) -> MessageType:
-        """The type of a topic that this client has not advertised: it may have been refused that before the gate
-        knew its player, and need not know."""
-        known = self.client.graph.type_of(topic)
-        if known is not None:
-            return known
-        if topic in COMMAND_TOPICS:
-            return self.client.types.message(COMMAND_TYPE)
-        raise RequestError(f"{topic} must be advertised first, so that its type is known")
 
     def _refuse(self, reason: str, now: float) -> list[Effect]:
         last, told = self._refused

@@ -1,16 +1,16 @@
 """call_service and its service_response (rosbridge protocol 3.2.8, 3.2.9)."""
 
+import math
 from collections.abc import Mapping
-from typing import Any
 
-from server.rosbridge.capabilities.capability import Capability, Handler
+from server.rosbridge.capabilities.capability import Capability, Handler, compression, fragment_size
+from server.rosbridge.compression import COMPRESSIONS
 from server.rosbridge.context import Context
-from server.rosbridge.effects import CallService, Effect, Send
-from server.rosbridge.wire import Request, RequestError, brief, dumps, with_id
+from server.rosbridge.effects import CallService, Effect, Response, Send
+from server.rosbridge.outgoing import outgoing
+from server.rosbridge.wire import MAX_NUMBER, Request, RequestError, brief, dumps, with_id
 
-DEFAULT_TIMEOUT = 10.0  # s
-MAX_TIMEOUT = 60.0  # s
-MAX_CALLS = 16  # under way at once, for one client
+MAX_CALLS = 100  # under way at once, for one client
 
 
 class Services(Capability):
@@ -38,31 +38,36 @@ class Services(Capability):
         args = request.fields.get("args") or {}
         if type(args) not in (dict, list):
             raise RequestError(f"the field 'args' must be an object or a list, not {brief(args)}")
-        # a client that gives no time-out, or one that is not positive, gets the default
+        # without a time-out, or with one that is not positive, the call ends with its client at the latest
         timeout = request.fields.get("timeout")
         if timeout is not None and type(timeout) not in (int, float):
             raise RequestError(f"the field 'timeout' must be a number, not {brief(timeout)}")
-        seconds = min(float(timeout), MAX_TIMEOUT) if timeout is not None and timeout > 0 else DEFAULT_TIMEOUT
-        if request.optional_text("compression", "none") != "none":
-            raise RequestError("compression is not supported; use none")
+        seconds = float(min(timeout, MAX_NUMBER)) if timeout is not None and timeout > 0 else math.inf
+        form, size = compression(request, COMPRESSIONS), fragment_size(request)
         if self._under_way >= MAX_CALLS:
             raise RequestError(f"{MAX_CALLS} service calls of this client are running already")
         self._under_way += 1
 
-        def done(values: dict[str, Any] | None, reason: str, now: float) -> list[Effect]:
+        def done(response: Response | None, reason: str, now: float) -> list[Effect]:
             self._under_way -= 1
-            if values is not None:
-                return [response(request, True, values)]
-            return self._failure(request, f"call_service {service}: {reason}", reason, now)
+            try:
+                if response is None:
+                    raise RequestError(reason)
+                message_type, data = response
+                values = message_type.cbor(data) if form.startswith("cbor") else message_type.values(data)
+            except RequestError as error:
+                return self._failure(request, f"call_service {service}: {error}", str(error), now)
+            operation = {**_operation(request), "values": values, "result": True}
+            first, *rest = outgoing(operation, form, size)
+            return [Send(first, tuple(rest))]
 
         return CallService(service, args, seconds, done)
 
     def _failure(self, request: Request, text: str, reason: str, now: float) -> list[Effect]:
-        return [*self.client.report("error", text, now, request.id), response(request, False, reason)]
+        response = {**_operation(request), "values": reason, "result": False}
+        return [*self.client.report("error", text, now, request.id), Send(dumps(response))]
 
 
-def response(request: Request, result: bool, values: dict[str, Any] | str) -> Send:
-    """`values`: the service's response, or the reason when `result` is false."""
-    service = request.fields["service"]  # as the client wrote it
-    operation = {"op": "service_response", "service": service, "values": values, "result": result}
-    return Send(dumps(with_id(operation, request.id)))
+def _operation(request: Request) -> dict[str, object]:
+    """The beginning of a service_response; the service as the client wrote it."""
+    return with_id({"op": "service_response", "service": request.fields["service"]}, request.id)

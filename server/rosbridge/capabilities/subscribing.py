@@ -2,15 +2,14 @@
 
 from collections.abc import Mapping
 
-from laser_bot_battle.names import GAME_STATUS
-from server.rosbridge.capabilities.capability import Capability, Handler
+from server.rosbridge.capabilities.capability import Capability, Handler, compression, fragment_size
+from server.rosbridge.compression import COMPRESSIONS
 from server.rosbridge.context import Context
-from server.rosbridge.effects import Effect
-from server.rosbridge.gate import STATUS_TYPE
-from server.rosbridge.subscription import Subscription
-from server.rosbridge.wire import Request, RequestError, brief
+from server.rosbridge.effects import Effect, Replay
+from server.rosbridge.subscription import Subscription, Terms
+from server.rosbridge.wire import Request, RequestError
 
-MAX_TOPICS = 100
+MAX_TOPICS = 1000
 MAX_REQUESTS = 100  # for one topic
 MAX_QUEUE_LENGTH = 1000
 
@@ -25,20 +24,24 @@ class Subscribing(Capability):
 
     def subscribe(self, request: Request, _now: float) -> list[Effect]:
         topic, type_name = request.ros_name("topic"), request.optional_text("type", "")
-        throttle, queue_length = request.number("throttle_rate", 0) / 1000, request.count("queue_length", 0)
-        compression = request.optional_text("compression", "none")
-        if compression != "none":
-            raise RequestError(f"compression {brief(compression)} is not supported, only none")
-        request.count("fragment_size", 0)
+        terms = Terms(
+            request.number("throttle_rate", 0) / 1000,
+            min(request.count("queue_length", 0), MAX_QUEUE_LENGTH),
+            compression(request, COMPRESSIONS),
+            fragment_size(request),
+        )
         if reason := self.client.gate.refuses_subscribing(self.client.identity, topic, type_name):
             raise RequestError(reason)
         subscription = self._subscriptions.get(topic)
-        effects: list[Effect] = []
+        # a page may have several parts that each wait for a latched message
+        effects: list[Effect] = [Replay(topic)]
         if subscription is None:
             effects, subscription = self._open(topic, type_name, request.text("topic"))
         elif subscription.requests >= MAX_REQUESTS:
             raise RequestError(f"a client may subscribe {MAX_REQUESTS} times to {topic}")
-        subscription.add(request.id, throttle, min(queue_length, MAX_QUEUE_LENGTH))
+        else:
+            self.client.topic_type(topic, type_name)
+        subscription.add(request.id, terms)
         return effects
 
     def unsubscribe(self, request: Request, now: float) -> list[Effect]:
@@ -59,12 +62,9 @@ class Subscribing(Capability):
     def _open(self, topic: str, type_name: str, name: str) -> tuple[list[Effect], Subscription]:
         if len(self._subscriptions) >= MAX_TOPICS:
             raise RequestError(f"a client may subscribe to {MAX_TOPICS} topics")
-        message_type = self.client.graph.type_of(topic)
-        if type_name or topic == GAME_STATUS:
-            message_type = self.client.types.message(type_name or STATUS_TYPE)
-        if message_type is None:
-            raise RequestError(f"the type of {topic} is not known; give it in the field 'type'")
+        message_type = self.client.topic_type(topic, type_name)
         subscription = Subscription(self.client, name)
         effects = self.client.graph.subscribe(topic, message_type, subscription)
         self._subscriptions[topic] = subscription
+        self.client.unsettled.add(topic)
         return effects, subscription

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from types import TracebackType
 from typing import Any, Self
 
+import cbor2
 from websockets.sync.client import ClientConnection, connect
 
 from tests.support.polling import until
@@ -90,7 +91,9 @@ class Client:
     def __init__(self, port: int, token: str = "", **headers: str) -> None:
         if token:
             headers["Cookie"] = f"theme=dark; laserbot_session={token}"
-        self.socket: ClientConnection = connect(f"ws://127.0.0.1:{port}", additional_headers=headers, max_queue=None)
+        self.socket: ClientConnection = connect(
+            f"ws://127.0.0.1:{port}", additional_headers=headers, max_queue=None, max_size=None
+        )
 
     def say(self, op: str, **fields: Any) -> None:
         self.socket.send(json.dumps({"op": op, **fields}))
@@ -98,6 +101,12 @@ class Client:
     def hear(self, seconds: float = 5.0) -> dict[str, Any]:
         """The next message; TimeoutError when none comes."""
         return dict(json.loads(self.socket.recv(timeout=seconds)))
+
+    def hear_cbor(self, seconds: float = 10.0) -> dict[str, Any]:
+        """The next message, which is a binary one."""
+        message = self.socket.recv(timeout=seconds)
+        assert isinstance(message, bytes), message
+        return dict(cbor2.loads(message))
 
     def hear_error(self) -> str:
         """The text of the next message, which is a status of level error."""

@@ -35,6 +35,12 @@ class MuteClient:
         self._flush()
 
     @property
+    def name(self) -> str:
+        """As rosbridge calls it."""
+        host, port = self._socket.getsockname()
+        return f"{host}:{port}"
+
+    @property
     def given_up(self) -> bool:
         """The server has ended the connection."""
         try:

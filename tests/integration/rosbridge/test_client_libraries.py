@@ -1,33 +1,19 @@
 """The two client libraries that rosbridge is made for."""
 
-import json
 import sys
-from typing import Any
 
+from tests.integration.rosbridge.client_programs import told_by
 from tests.integration.rosbridge.conftest import Rosbridge
 from tests.integration.rosbridge.ends import RosSide
 from tests.support.programs import ROOT, Program
 from tests.support.roslib_player import NODE
 
 
-def results(program: Program) -> dict[str, Any]:
-    """What a client program told, after its successful end."""
-    try:
-        code = program.process.wait(30)
-    finally:
-        program.kill()
-    assert code == 0, program.output
-    told: dict[str, Any] = {}
-    for line in program.output.splitlines():
-        told.update(json.loads(line))
-    return told
-
-
 def test_roslib_in_node_watches_calls_publishes_and_drives(rosbridge: Rosbridge, ros: RosSide) -> None:
     ros.status(1)
     refused = "only operators may call /add_new_robot"
     script = ROOT / "tests" / "integration" / "rosbridge" / "roslib_client.mjs"
-    assert results(Program([str(NODE), str(script), str(rosbridge.port)])) == {
+    assert told_by(Program([str(NODE), str(script), str(rosbridge.port)])) == {
         "guest watches": 1,
         "guest calls": {"error": refused},
         "operator calls": {"response": {"ID": 7}},
@@ -40,7 +26,7 @@ def test_roslib_in_node_watches_calls_publishes_and_drives(rosbridge: Rosbridge,
 def test_roslibpy_watches_calls_and_publishes(rosbridge: Rosbridge, ros: RosSide) -> None:
     ros.status(1)
     program = [sys.executable, "-m", "tests.integration.rosbridge.roslibpy_client", str(rosbridge.port)]
-    assert results(Program(program)) == {
+    assert told_by(Program(program)) == {
         "guest watches": 1,
         "operator calls": {"ID": 7},
         "operator hears": "AQL/",

@@ -7,7 +7,9 @@ from typing import Any
 import pytest
 
 from tests.integration.rosbridge.ends import Client, RosSide
+from tests.integration.tcpros.ends import RospyPeer
 from tests.support.polling import until
+from tests.support.programs import Program
 from tests.support.ros import RosMaster
 
 Connect = Callable[..., Client]
@@ -21,6 +23,33 @@ def test_a_second_client_gets_the_latched_state_at_once(ros: RosSide, client: Co
     second.watch()
     assert second.hear()["msg"]["game"] == 1
     assert first.hears_nothing()
+
+
+def test_each_subscription_of_a_client_gets_the_latched_message(client: Connect) -> None:
+    maps, page = client().operate(), client().operate()
+    maps.say("advertise", topic="/map", type="std_msgs/String", latch=True)
+    maps.say("publish", topic="/map", msg={"data": "the hall"})
+    for subscription in ("subscribe:/map:1", "subscribe:/map:2"):
+        page.say("subscribe", topic="/map", type="std_msgs/String", id=subscription)
+        assert page.hear()["msg"] == {"data": "the hall"}
+
+
+def test_a_latched_message_ends_with_its_publisher(ros_master: RosMaster, client: Connect) -> None:
+    first = client().operate()
+    first.say("subscribe", topic="/goal", type="std_msgs/String")
+    for name in ("planner0", "planner1"):
+        planner = RospyPeer(name, ros_master.env)
+        try:
+            planner.do("advertise", "/goal", True)
+            planner.do("publish", "/goal", name)
+            assert first.hear()["msg"] == {"data": name}
+            if name == "planner1":
+                second = client().operate()
+                second.say("subscribe", topic="/goal")
+                assert second.hear()["msg"] == {"data": name}
+                assert second.hears_nothing()
+        finally:
+            planner.close()
 
 
 def test_what_one_publishes_all_subscribers_get_until_they_unsubscribe(client: Connect) -> None:
@@ -42,6 +71,21 @@ def test_what_one_publishes_all_subscribers_get_until_they_unsubscribe(client: C
     speaker.say("publish", topic="/chat", msg={"data": "again"})
     assert first.hear()["msg"] == {"data": "again"}
     assert second.hears_nothing()
+
+
+def test_a_client_that_subscribes_and_asks_hears_the_answer(ros_master: RosMaster, client: Connect) -> None:
+    """As action clients do, by goal and feedback; rosbridge has gone on publishing the question since the last one."""
+    echo = Program.python("tests.integration.rosbridge.echo_node", env=ros_master.env)
+    try:
+        echo.wait_for("ready")
+        for number in range(5):
+            asking = client().operate()
+            asking.say("subscribe", topic="/answer", type="std_msgs/String")
+            asking.say("publish", topic="/question", type="std_msgs/String", msg={"data": str(number)})
+            assert asking.hear()["msg"] == {"data": str(number)}
+            asking.close()
+    finally:
+        echo.stop()
 
 
 def test_a_publisher_serves_until_its_last_client_has_gone(ros: RosSide, client: Connect) -> None:
@@ -129,17 +173,17 @@ def test_a_failed_service_call_says_why(ros: RosSide, client: Connect, service: 
 
 def test_a_slow_service_is_waited_for_no_longer_than_asked_and_blocks_nobody(ros: RosSide, client: Connect) -> None:
     operator = client().operate()
-    for number in range(16):
+    for number in range(100):
         operator.say("call_service", service="/slow", id=number, timeout=2)
     operator.say("call_service", service="/add_new_robot", id="one too many")
-    assert "16 service calls" in operator.hear_error()
+    assert "100 service calls" in operator.hear_error()
     assert operator.hear()["id"] == "one too many"
     other = client().operate()
     other.say("call_service", service="/add_new_robot")
     assert other.hear()["result"] is True
     assert operator.hears_nothing(0)  # its calls are still under way
-    answers = [operator.hear() for _ in range(32)]
-    assert [a["id"] for a in answers if a["op"] == "service_response"] == list(range(16))
+    answers = [operator.hear() for _ in range(200)]
+    assert [a["id"] for a in answers if a["op"] == "service_response"] == list(range(100))
     assert {a["values"] for a in answers if a["op"] == "service_response"} == {"no response within 2 s"}
 
 

@@ -5,9 +5,10 @@ import json
 from typing import Any
 
 from laser_bot_battle.msg import GameStatus, UserStatus
+from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
-from server.rosbridge.effects import Effect, Log, Send
+from server.rosbridge.effects import Effect, FindType, Log, Send
 from server.rosbridge.gate import OPERATOR, Gate, Identity
 from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Client
@@ -31,7 +32,7 @@ class Server:
         self.gate, self.drivers, self.graph, self.types = Gate("secret"), Drivers(), Graph(), Types()
 
     def client(self, identity: Identity = OPERATOR) -> Client:
-        return Client(self.gate, self.drivers, self.graph, self.types, identity)
+        return Client(self.gate, self.drivers, self.graph, self.types, Clock(), identity)
 
     def battle(self, now: float = 0.0, game: int = GameStatus.PLAYING, robot: int = 3, name: str = "al") -> None:
         """al, or who else is named, fights with a robot."""
@@ -40,9 +41,14 @@ class Server:
         self.gate.update(GameStatus(game=game, users=users), now)
 
 
-def say(client: Client, now: float = 0.0, /, **fields: Any) -> list[Effect]:
-    """The effects of a request, log lines apart."""
-    return without_log(client.receive(json.dumps(fields), now))
+def say(client: Client, now: float = 0.0, /, found: str | None = None, **fields: Any) -> list[Effect]:
+    """The effects of a request, log lines apart. When ROS is asked for a topic's type, it says `found`."""
+    effects = without_log(client.receive(json.dumps(fields), now))
+    if effects and isinstance(effects[0], FindType):
+        (asked,) = effects
+        assert isinstance(asked, FindType)
+        return without_log(asked.done(found, now))
+    return effects
 
 
 def without_log(effects: list[Effect]) -> list[Effect]:
@@ -53,6 +59,6 @@ def error(effects: list[Effect]) -> dict[str, Any]:
     """The one effect, which is a status of level error."""
     (sent,) = without_log(effects)
     assert isinstance(sent, Send)
-    status = json.loads(sent.text)
+    status = json.loads(sent.data)
     assert (status["op"], status["level"]) == ("status", "error")
     return dict(status)

@@ -1,18 +1,25 @@
 """The rules of who may do what."""
 
 import hashlib
+import io
 from typing import Any
 
 import pytest
 
-from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
+from laser_bot_battle import variables
+from laser_bot_battle.msg import GameStatus, UserStatus
+from laser_bot_battle.names import operator_ticket, session_digest, session_ticket
+from laser_bot_battle.settings import SettingsError
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Publish
 from server.rosbridge.gate import GUEST, OPERATOR, Gate, session_identity
-from server.rosbridge.handshake import identity_of
+from server.rosbridge.globs import Globs
+from server.rosbridge.handshake import OwnPages
+from server.rosbridge.wire import RequestError
 
 AL, BO = session_identity("token-of-al"), session_identity("token-of-bo")
-FORWARD, SHOT, NEUTRAL = Robot_msg(1, 0, False), Robot_msg(0, 0, True), Robot_msg(0, 0, False)
+# serialized: linear_x, angular_z, shoot
+FORWARD, SHOT, NEUTRAL = b"\x01\x00\x00", b"\x00\x00\x01", b"\x00\x00\x00"
 COMMAND = "laser_bot_battle/Robot_msg"
 STOPPED, COUNTDOWN, PLAYING = GameStatus.STOPPED, GameStatus.COUNTDOWN, GameStatus.PLAYING
 
@@ -22,8 +29,11 @@ def user(name: str, robot: int, **fields: Any) -> UserStatus:
     return UserStatus(**{"name": name, "robot": robot, "session": session, "life": 100, "ready": True, **fields})
 
 
+NOON = 1_800_000_000.0  # Unix time, s
+
+
 def gate(game: int = PLAYING, *users: UserStatus, result: tuple[UserStatus, ...] = ()) -> Gate:
-    new = Gate("operator token")
+    new = Gate("operator token", clock=lambda: NOON)
     users = users or (user("al", 0), user("bo", 1))
     new.update(GameStatus(game=game, users=list(users), result=list(result)), 0.0)
     return new
@@ -32,6 +42,20 @@ def gate(game: int = PLAYING, *users: UserStatus, result: tuple[UserStatus, ...]
 def test_a_living_ready_player_drives_their_own_robot_in_a_battle() -> None:
     assert gate().refuses_publishing(AL, "/Robot0/command", 0.0) == ""
     assert gate().refuses_publishing(BO, "/Robot1/command", 0.0) == ""
+
+
+def test_practice_is_driving_while_no_battle_runs() -> None:
+    rules = gate(STOPPED)
+    for game, practice, may in (
+        (STOPPED, True, True),
+        (STOPPED, False, False),
+        (COUNTDOWN, True, False),
+        (PLAYING, True, False),
+    ):
+        al = user("al", 0, ready=False)
+        rules.update(GameStatus(game=game, practice=practice, users=[al]), 0.0)
+        assert (rules.refuses_publishing(AL, "/Robot0/command", 0.0) == "") is may, (game, practice)
+        assert rules.refuses_publishing(BO, "/Robot1/command", 0.0) != "", "no player, no practice"
 
 
 @pytest.mark.parametrize(
@@ -53,11 +77,39 @@ def test_a_player_does_not_drive_otherwise(rules: Gate, reason: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "topic", ["/Robot1/command", "/Robot00/command", "/Robot0/command/x", "/Robot0/response", "/x"]
+    "topic", ["/Robot1/command", "/Robot00/command", "/Robot0/command/x", "/Robot0/response", "/positions", "/x"]
 )
 def test_a_player_publishes_nowhere_else(topic: str) -> None:
     assert gate().refuses_publishing(AL, topic, 0.0)
     assert gate().refuses_advertising(AL, topic, COMMAND)
+
+
+@pytest.mark.parametrize("game", [PLAYING, COUNTDOWN, STOPPED])
+def test_nobody_drives_in_a_pause_but_operators(game: int) -> None:
+    rules = gate()
+    rules.update(GameStatus(game=game, users=[user("al", 0)], paused=True), 0.0)
+    assert rules.refuses_publishing(AL, "/Robot0/command", 0.0)
+    assert rules.refuses_publishing(OPERATOR, "/Robot0/command", 0.0) == ""
+    rules.update(GameStatus(game=PLAYING, users=[user("al", 0)]), 0.0)
+    assert rules.refuses_publishing(AL, "/Robot0/command", 0.0) == ""
+
+
+def test_a_pause_stops_the_wheels() -> None:
+    rules, drivers = gate(), Drivers()
+    drivers.commanded("client", AL, "/Robot0/command", FORWARD)
+    assert drivers.stop_refused(rules, 0.0) == []
+    rules.update(GameStatus(game=PLAYING, users=[user("al", 0)], paused=True), 0.0)
+    assert drivers.stop_refused(rules, 0.0) == [Publish("/Robot0/command", NEUTRAL)]
+
+
+def test_a_robot_that_is_out_of_service_is_for_operators() -> None:
+    """Its player waits for another one, and so is none."""
+    rules, drivers = gate(), Drivers()
+    drivers.commanded("client", AL, "/Robot0/command", FORWARD)
+    rules.update(GameStatus(game=PLAYING, users=[user("bo", 1)], queue=["al"]), 0.0)
+    assert drivers.stop_refused(rules, 0.0) == [Publish("/Robot0/command", NEUTRAL)]
+    assert rules.refuses_publishing(AL, "/Robot0/command", 0.0)
+    assert rules.refuses_publishing(OPERATOR, "/Robot0/command", 0.0) == ""
 
 
 def test_a_player_advertises_their_own_robot_before_the_battle_too() -> None:
@@ -82,16 +134,122 @@ def test_operators_do_everything() -> None:
     assert not rules.refuses_advertising(OPERATOR, "/anything", "std_msgs/String")
     assert not rules.refuses_subscribing(OPERATOR, "/anything", "")
     assert not rules.refuses_calling(OPERATOR, "/add_new_robot")
+    assert not rules.refuses_offering(OPERATOR, "/add_new_robot")
+    rules.check_command(OPERATOR, b"\x05\x80\x01")
+
+
+def test_what_the_globs_leave_out_is_refused_to_operators_too() -> None:
+    rules = Gate("", Globs(topics=("/scan*",), services=("/get_*",)))
+    for topic, is_hidden in (("/scan", False), ("/scan/raw", False), ("/cmd_vel", True)):
+        assert ("TOPICS_GLOB" in rules.refuses_publishing(OPERATOR, topic, 0.0)) is is_hidden
+        assert ("TOPICS_GLOB" in rules.refuses_advertising(OPERATOR, topic, "std_msgs/String")) is is_hidden
+        assert ("TOPICS_GLOB" in rules.refuses_subscribing(OPERATOR, topic, "")) is is_hidden
+    for service, is_hidden in (("/get_plan", False), ("/reset", True)):
+        assert ("SERVICES_GLOB" in rules.refuses_calling(OPERATOR, service)) is is_hidden
+        assert ("SERVICES_GLOB" in rules.refuses_offering(OPERATOR, service)) is is_hidden
+
+
+@pytest.mark.parametrize("linear", [-1, 0, 1])
+@pytest.mark.parametrize("angular", [-1, 0, 1])
+@pytest.mark.parametrize("shoot", [0, 1])
+def test_players_have_keys_for_these_commands(linear: int, angular: int, shoot: int) -> None:
+    gate().check_command(AL, bytes([linear % 256, angular % 256, shoot]))
+
+
+@pytest.mark.parametrize("command", [b"\x05\x00\x00", b"\xfe\x00\x00", b"\x00\x02\x01", b"\x00\x80\x00"])
+def test_a_player_is_no_faster_than_the_keys(command: bytes) -> None:
+    with pytest.raises(RequestError, match=r"must be -1, 0 or 1, not -?\d+ and -?\d+$"):
+        gate().check_command(AL, command)
 
 
 def test_the_operators_token_is_compared_whole() -> None:
-    assert gate().is_operator_token("operator token")
+    assert gate().is_operator_token("operator token", "10.0.0.1", 0.0)
     for wrong in ("", "operator", "operator token ", "\ud800", "ö"):
-        assert not gate().is_operator_token(wrong)
+        assert not gate().is_operator_token(wrong, "10.0.0.1", 0.0)
+    assert not Gate("").is_operator_token("", "10.0.0.1", 0.0)
 
 
-def test_players_call_no_services_and_watch_only_the_battle() -> None:
+def test_a_ticket_of_the_operators_token_is_as_good_for_a_while() -> None:
+    ticket = operator_ticket("operator token", NOON)
+    assert gate().is_operator_token(ticket, "10.0.0.1", 0.0)
+    for wrong in (
+        operator_ticket("another token", NOON),
+        operator_ticket("operator token", NOON - 21),
+        session_ticket("operator token", NOON),
+        ticket.replace(ticket[0], "9", 1),
+        ticket[:-1],
+        "",
+    ):
+        assert not gate().is_operator_token(wrong, "10.0.0.1", 0.0)
+    assert not Gate("", clock=lambda: NOON).is_operator_token(operator_ticket("", NOON), "10.0.0.1", 0.0)
+
+
+def test_who_guesses_the_operators_token_is_slowed_down_and_nobody_else() -> None:
+    rules = gate()
+    for guess in range(5):
+        assert not rules.is_operator_token(f"guess {guess}", "10.0.0.1", 0.0)
+    for now in (0.0, 0.9):
+        with pytest.raises(RequestError, match="too many wrong operator tokens"):
+            rules.is_operator_token("operator token", "10.0.0.1", now)
+    assert rules.is_operator_token("operator token", "10.0.0.2", 0.0)
+    assert not rules.is_operator_token("one more", "10.0.0.1", 1.0)
+    with pytest.raises(RequestError):
+        rules.is_operator_token("and another", "10.0.0.1", 1.0)
+    assert rules.is_operator_token("operator token", "10.0.0.1", 2.0)
+
+
+def test_the_memory_of_guesses_is_bounded() -> None:
+    rules = gate()
+    for number in range(1001):
+        for _ in range(5):
+            rules.is_operator_token("guess", f"10.0.{number // 256}.{number % 256}", 0.0)
+    assert not rules.is_operator_token("guess", "10.0.0.0", 0.0)
+    with pytest.raises(RequestError):
+        rules.is_operator_token("guess", "10.0.3.232", 0.0)
+
+
+TICKET = session_ticket(session_digest("token-of-al"), NOON - 59)
+
+
+def test_a_player_proves_who_it_is_by_token_or_ticket() -> None:
+    assert gate().proven("al", "token-of-al") == AL
+    assert gate().proven("al", TICKET) == AL
+
+
+@pytest.mark.parametrize(
+    ("name", "secret"),
+    [
+        ("bo", "token-of-al"),
+        ("bo", TICKET),
+        ("nobody", TICKET),
+        ("al", session_digest("token-of-al")),
+        ("al", session_ticket(session_digest("token-of-al"), NOON - 61)),
+        ("al", session_ticket("", NOON)),
+        ("al", TICKET.replace("1", "2", 1)),
+        ("al", TICKET[:-1]),
+        ("al", TICKET + "0"),
+        *[("al", f"{end}.{TICKET.partition('.')[2]}") for end in ("", "x", "-1", "1" * 5000, "١", "1e9", "\ud800")],
+        *[("al", secret) for secret in ("", ".", "ö", "\ud800", "a.b.c")],
+    ],
+    ids=ascii,
+)
+def test_nothing_else_is_a_proof(name: str, secret: str) -> None:
+    assert gate().proven(name, secret) is None
+
+
+def test_clients_do_not_learn_by_what_players_are_known() -> None:
+    status = GameStatus(game=PLAYING, notice="n", users=[user("al", 0), user("bo", 1)], result=[user("cy", 2)])
+    buffer = io.BytesIO()
+    status.serialize(buffer)
+    told = GameStatus().deserialize(Gate.public(buffer.getvalue()))
+    for one in (*status.users, *status.result):
+        one.session = ""
+    assert told == status
+
+
+def test_players_call_and_offer_no_services_and_watch_only_the_battle() -> None:
     assert gate().refuses_calling(AL, "/add_new_robot")
+    assert gate().refuses_offering(AL, "/add_new_robot")
     assert gate().refuses_subscribing(AL, "/Robot1/command", COMMAND)
     assert gate().refuses_subscribing(AL, "/game_status", "") == ""
 
@@ -134,46 +292,93 @@ def test_robots_stop_when_the_right_to_drive_them_ends() -> None:
     assert drivers.stop_all() == []
 
 
-def test_only_command_topics_are_robots() -> None:
-    drivers = Drivers()
-    drivers.commanded("ops", OPERATOR, "/elsewhere", FORWARD)
-    assert drivers.stop_all() == []
-
-
 HOST = "laser_bot_master.local:9090"
+COOKIE = ["laserbot_session=token-of-al"]
+ORIGINS = {"LASERBOT_ORIGINS": " https://ARENA.example\nhttp://old.example:8080"}
+PAGES = OwnPages(5000, variables.ORIGINS.read(ORIGINS), ["Master.Hall.Example"])
 
 
 @pytest.mark.parametrize(
-    ("origin", "cookies"),
+    "cookies",
     [
-        (None, ["laserbot_session=token-of-al"]),
-        ("http://laser_bot_master.local:5000", ["laserbot_session=token-of-al"]),
-        ("https://LASER_bot_master.local", ["a=b; laserbot_session=token-of-al; c"]),
-        ("http://laser_bot_master.local", ["a=b", 'laserbot_session="token-of-al"']),
-        (None, ["laserbot_session=token-of-al; laserbot_session=other"]),
+        COOKIE,
+        ["a=b; laserbot_session=token-of-al; c"],
+        ["a=b", 'laserbot_session="token-of-al"'],
+        ["laserbot_session=token-of-al; laserbot_session=other"],
     ],
 )
-def test_the_cookie_tells_who_it_is(origin: str | None, cookies: list[str]) -> None:
-    assert identity_of(origin, HOST, cookies) == AL
+def test_the_cookie_tells_who_it_is(cookies: list[str]) -> None:
+    assert PAGES.identity_of(None, HOST, cookies) == AL
+    assert PAGES.identity_of("http://laser_bot_master.local:5000", HOST, cookies) == AL
+
+
+@pytest.mark.parametrize("cookies", [[], [""], ["laserbot_session="], ["laserbot_session"], ["xlaserbot_session=x"]])
+def test_without_our_cookie_it_is_anybody(cookies: list[str]) -> None:
+    assert PAGES.identity_of(None, HOST, cookies) == GUEST
 
 
 @pytest.mark.parametrize(
     ("origin", "host"),
     [
-        ("http://evil.example:9090", HOST),
-        ("null", HOST),
-        ("", HOST),
-        ("http://[", HOST),
-        ("http://laser_bot_master.local.evil.example", HOST),
-        ("http://laser_bot_master.local@evil.example", HOST),
-        ("http://laser_bot_master.local:5000", None),
-        ("http://laser_bot_master.local:5000", "other.local:9090"),
+        ("https://LASER_bot_master.local:5000", HOST),
+        ("http://localhost:5000", "localhost:9090"),
+        ("http://192.168.1.7:5000", "192.168.1.7:9090"),
+        ("http://[fe80::1]:5000", "[fe80::1]:9090"),
+        ("http://[::ffff:10.0.0.1]:5000", "[::ffff:10.0.0.1]:9090"),
+        ("http://master:5000", "MASTER"),
+        ("http://master.hall.example:5000", "master.hall.example:9090"),
+        ("https://arena.example", "arena.example"),
+        ("https://arena.example:443", "rosbridge.arena.example"),
+        ("http://old.example:8080", None),
     ],
 )
-def test_a_page_of_another_host_does_not_act_for_the_player(origin: str, host: str | None) -> None:
-    assert identity_of(origin, host, ["laserbot_session=token-of-al"]) == GUEST
+def test_these_are_pages_of_the_game(origin: str, host: str | None) -> None:
+    assert PAGES.identity_of(origin, host, COOKIE) == AL
 
 
-@pytest.mark.parametrize("cookies", [[], [""], ["laserbot_session="], ["laserbot_session"], ["xlaserbot_session=x"]])
-def test_without_our_cookie_it_is_anybody(cookies: list[str]) -> None:
-    assert identity_of(None, HOST, cookies) == GUEST
+@pytest.mark.parametrize(
+    ("origin", "host"),
+    [
+        ("http://laser_bot_master.local:8080", HOST),  # another program's page on the same machine
+        ("http://laser_bot_master.local:9090", HOST),
+        ("http://laser_bot_master.local", HOST),
+        ("https://laser_bot_master.local", HOST),
+        ("ftp://laser_bot_master.local:5000", HOST),
+        ("chrome-extension://laser_bot_master.local:5000", HOST),
+        ("http://laser_bot_master.local:5000", None),
+        ("http://laser_bot_master.local:5000", "other.local:9090"),
+        ("http://other.local:5000", HOST),
+        ("http://evil.example:5000", "evil.example:9090"),  # whose DNS says that it is this machine
+        ("http://1.2.3.4.evil.example:5000", "1.2.3.4.evil.example:9090"),
+        ("http://127.0.0.1.:5000", "127.0.0.1.:9090"),
+        ("http://arena.example", "arena.example"),
+        ("https://arena.example:5001", "arena.example"),
+        ("http://laser_bot_master.local.evil.example:5000", HOST),
+        ("http://laser_bot_master.local@evil.example:5000", HOST),
+        ("http://laser_bot_master.local:5000@evil.example", HOST),
+        ("http://laser_bot_master.local:5000/", HOST),
+        ("http://laser_bot_master.local:5000\n", HOST),
+        ("http://laser_bot_master.local:" + "5" * 5000, HOST),
+        ("http://laser_bot_master.local:٥٠٠٠", HOST),
+        ("http://laser_bot_master.local:05000 ", HOST),
+        ("http://laser_bot_master.local:5000", "laser_bot_master.local:" + "9" * 5000),
+        *[(rubbish, HOST) for rubbish in ("", "null", "*", "http://", "http://[", "//", "laser_bot_master.local:5000")],
+    ],
+    ids=lambda value: ascii(value)[:60],
+)
+def test_other_pages_do_not_act_for_the_player(origin: str, host: str | None) -> None:
+    assert PAGES.identity_of(origin, host, COOKIE) == GUEST
+
+
+def test_a_web_server_on_the_usual_port_has_pages_without_a_port() -> None:
+    assert OwnPages(80).identity_of("http://master", "master:9090", COOKIE) == AL
+    assert OwnPages(443).identity_of("https://master", "master:9090", COOKIE) == AL
+    assert OwnPages(80).identity_of("https://master", "master:9090", COOKIE) == GUEST
+
+
+@pytest.mark.parametrize(
+    "word", ["arena.example", "https://arena.example/", "ws://a", "https://*", "http://a:" + "1" * 6]
+)
+def test_an_address_that_is_none_is_named(word: str) -> None:
+    with pytest.raises(SettingsError, match=r"^LASERBOT_ORIGINS=.* is not http://host"):
+        variables.ORIGINS.read({"LASERBOT_ORIGINS": f"http://fine {word}"})

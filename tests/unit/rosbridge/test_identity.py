@@ -1,18 +1,25 @@
 """Who a client is: by cookie or auth, which may be quicker than the news of the player."""
 
+import json
+import logging
+import time
+
 import pytest
 
-from laser_bot_battle.msg import Robot_msg
-from server.rosbridge.effects import OpenPublisher, Publish
+from laser_bot_battle.names import session_digest, session_ticket
+from server.rosbridge.capabilities.publishing import MAX_WAITING
+from server.rosbridge.effects import Log, OpenPublisher, Publish
 from server.rosbridge.gate import GUEST, OPERATOR, Gate, session_identity
 from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
+
+CURVE = b"\x01\xff\x00"  # what PUBLISH says, serialized
 
 
 def test_a_player_authenticates_by_name_and_token(server: Server) -> None:
     server.battle()
     client = server.client(GUEST)
     assert say(client, op="auth", client="al", mac=TOKEN, dest="", rand="x", t=1, level="", end=9) == []
-    assert client.receive(PUBLISH, 0.0)[-1] == Publish("/Robot3/command", Robot_msg(1, -1, False))
+    assert client.receive(PUBLISH, 0.0)[-1] == Publish("/Robot3/command", CURVE)
 
 
 def test_a_player_may_authenticate_a_moment_before_the_referee_says_so(server: Server) -> None:
@@ -36,11 +43,28 @@ def test_a_token_that_nobody_has_is_refused_after_a_while(server: Server, name: 
     assert client.identity == who
 
 
+def test_a_player_authenticates_by_the_ticket_of_its_page(server: Server) -> None:
+    ticket = session_ticket(session_digest(TOKEN), time.time())
+    early, late = server.client(GUEST), server.client(GUEST)
+    assert say(early, op="auth", client="al", mac=ticket) == []
+    server.battle(now=1.0)
+    assert early.updated(1.0) == []
+    assert say(late, op="auth", client="al", mac=ticket) == []
+    assert early.identity == late.identity == session_identity(TOKEN)
+
+
 def test_a_token_does_not_fit_another_name(server: Server) -> None:
     server.battle()
     client = server.client(GUEST)
-    assert "no player has this name" in error(say(client, op="auth", client="bo", mac=TOKEN))["msg"]
+    assert say(client, op="auth", client="bo", mac=TOKEN) == []
+    assert "no player has this name" in error(client.updated(2.0))["msg"]
     assert client.identity == GUEST
+
+
+def test_a_secret_without_end_is_refused_at_once(server: Server) -> None:
+    client = server.client(GUEST)
+    assert "more than 1000 characters" in error(say(client, op="auth", client="al", mac="x" * 1001))["msg"]
+    assert client.updated(2.0) == []
 
 
 def test_the_operator_authenticates(server: Server) -> None:
@@ -55,6 +79,28 @@ def test_the_operators_second_try_counts(server: Server) -> None:
     say(client, op="auth", client="operator", mac="secret")
     assert client.updated(2.0) == []
     assert client.identity == OPERATOR
+
+
+def test_wrong_operator_tokens_are_logged_with_the_address_and_slowed_down(server: Server) -> None:
+    client, again, late, other = (server.client(GUEST) for _ in range(4))
+    client.address = again.address = late.address = "10.0.0.7"
+    other.address = "10.0.0.8"
+    guess = json.dumps({"op": "auth", "client": "operator", "mac": "guess"})
+    for _ in range(5):
+        assert client.receive(guess, 0.0)[0] == Log(logging.WARNING, "wrong operator token from 10.0.0.7")
+    assert say(again, op="auth", client="operator", mac="secret") == []
+    assert say(late, op="auth", client="operator", mac="secret") == []
+    assert say(other, op="auth", client="operator", mac="secret") == []
+    assert other.identity == OPERATOR
+    assert again.updated(0.9) == []
+    assert again.identity == GUEST
+    assert again.updated(1.0) == []
+    assert again.identity == OPERATOR, "the right one only has to wait"
+    for now in (1.0, 2.0):
+        client.receive(guess, now)
+    assert "too many wrong operator tokens" in error(late.updated(2.0))["msg"]
+    assert late.updated(9.0) == []
+    assert late.identity == GUEST
 
 
 def test_a_player_may_be_called_operator_and_is_none(server: Server) -> None:
@@ -113,10 +159,10 @@ def test_a_newcomer_may_change_its_mind(server: Server) -> None:
 
 def test_a_newcomer_cannot_ask_without_end(server: Server) -> None:
     stranger = server.client(session_identity("of nobody"))
-    for number in range(100):
+    for number in range(MAX_WAITING):
         assert say(stranger, op="advertise", topic=f"/p{number}", type="std_msgs/String") == []
     error(say(stranger, op="advertise", topic="/more", type="std_msgs/String"))
-    assert len(without_log(stranger.updated(2.0))) == 100
+    assert len(without_log(stranger.updated(2.0))) == MAX_WAITING
 
 
 def test_a_player_whose_advertising_was_refused_drives_nevertheless(server: Server) -> None:
@@ -128,5 +174,5 @@ def test_a_player_whose_advertising_was_refused_drives_nevertheless(server: Serv
     server.battle()
     opened, published = al.receive(PUBLISH, 3.0)
     assert isinstance(opened, OpenPublisher)
-    assert published == Publish("/Robot3/command", Robot_msg(1, -1, False))
+    assert published == Publish("/Robot3/command", CURVE)
     assert al.receive(PUBLISH, 3.0) == [published]

@@ -1,0 +1,44 @@
+"""A message on its way from ROS to clients: encoded once in each form that somebody wants."""
+
+from typing import Any, NamedTuple
+
+from server.rosbridge.compression import raw
+from server.rosbridge.conversion import MessageType
+from server.rosbridge.outgoing import outgoing
+from server.rosbridge.websocket.frames import frame
+from server.rosbridge.wire import dumps
+
+
+class Form(NamedTuple):
+    """How a subscriber wants messages."""
+
+    topic: str  # by the name that the client uses
+    compression: str = "none"
+    fragment_size: int | None = None  # characters
+
+
+class Delivery:
+    """One serialized message of a topic."""
+
+    def __init__(self, message_type: MessageType, data: bytes, stamp: int) -> None:
+        """`stamp`: when it came by ROS's clock, ns."""
+        self._type, self._data, self._stamp = message_type, data, stamp
+        self._json = ""
+        self._frames: dict[Form, bytes] = {}
+
+    def frames(self, form: Form) -> bytes:
+        """The WebSocket frames of one publish operation, or of its fragments. ConversionError when the message is not
+        what its type says."""
+        made = self._frames.get(form)
+        if made is None:
+            parts = outgoing(self._operation(form), form.compression, form.fragment_size)
+            made = self._frames[form] = b"".join(map(frame, parts))
+        return made
+
+    def _operation(self, form: Form) -> dict[str, Any] | str:
+        if form.compression == "cbor":
+            return {"op": "publish", "topic": form.topic, "msg": self._type.cbor(self._data)}
+        if form.compression == "cbor-raw":
+            return {"op": "publish", "topic": form.topic, "msg": raw(self._data, *divmod(self._stamp, 10**9))}
+        self._json = self._json or self._type.json(self._data)
+        return f'{{"op":"publish","topic":{dumps(form.topic)},"msg":{self._json}}}'

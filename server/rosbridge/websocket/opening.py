@@ -1,0 +1,144 @@
+"""The opening handshake (RFC 6455, 4): from a TCP connection to a client, or to a refusal."""
+
+import asyncio
+import email.utils
+import logging
+from collections.abc import Callable
+from http import HTTPStatus
+from typing import cast
+
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+from websockets.server import ServerProtocol
+
+from server.rosbridge.gate import Identity
+from server.rosbridge.websocket.connection import Connection
+from server.rosbridge.websocket.house import House
+
+MAX_HEAD = 16 * 2**10  # bytes; a page's cookies for this host are in it
+END_OF_HEAD = b"\r\n\r\n"
+NO_HANDSHAKE = "this is no HTTP request that a WebSocket begins with\n"
+
+Identify = Callable[[str | None, str | None, list[str]], Identity]  # by Origin, Host and all Cookie headers
+
+_log = logging.getLogger(__name__)
+
+# The library's own lines: nothing that a client sends is worth a traceback.
+_silent = logging.Logger("websockets", logging.CRITICAL + 1)
+
+
+class Opening(asyncio.BufferedProtocol):
+    """One TCP connection until its handshake is finished."""
+
+    def __init__(self, house: House, identify: Identify) -> None:
+        self._house, self._identify = house, identify
+        self._head = bytearray()
+        self._transport: asyncio.Transport
+        self._answered = False
+        self.address = ""
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._transport = cast(asyncio.Transport, transport)  # uvloop's are no subclass
+        self.address, *_ = transport.get_extra_info("peername") or ("nobody",)
+        openings, limits = self._house.openings, self._house.places.limits
+        of_address = sum(other.address == self.address for other in openings)
+        if len(openings) >= limits.all_opening:
+            next(iter(openings)).cut()  # the slowest: most likely it never ends
+        openings[self] = self._house.loop.time()
+        if self._house.ending or of_address >= limits.opening:
+            self.cut()
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        return self._house.scratch
+
+    def buffer_updated(self, count: int) -> None:
+        searched = max(0, len(self._head) - len(END_OF_HEAD))
+        self._head += self._house.scratch[:count]
+        if END_OF_HEAD in self._head[searched:] or len(self._head) > MAX_HEAD:
+            self._transport.pause_reading()
+            if self._house.turns.run(self, urgent=False):
+                self.resume()
+            else:
+                self._house.turns.wait(self)
+
+    def work(self) -> bool:
+        """Answer the request."""
+        if not self._answered:
+            self._answered = True
+            head, end, rest = self._head.partition(END_OF_HEAD)
+            try:
+                self._answer(bytes(head + end), bytes(rest))
+            except Exception:  # this client's handshake, and nobody else's trouble
+                _log.exception("a handshake of %s could not be answered", self.address)
+                self.cut()
+        return True
+
+    def resume(self) -> None:
+        self._transport.resume_reading()
+
+    def cut(self) -> None:
+        self._answered = True
+        self._transport.abort()
+
+    def connection_lost(self, error: Exception | None) -> None:
+        self._house.openings.pop(self, None)
+        self._house.left()
+
+    def _answer(self, head: bytes, rest: bytes) -> None:
+        protocol = ServerProtocol(logger=_silent)
+        protocol.receive_data(head)
+        request = next(iter(protocol.events_received()), None)
+        if not isinstance(request, Request):
+            self._refuse(plain(HTTPStatus.BAD_REQUEST, NO_HANDSHAKE))
+            return
+        if [upgrade.lower() for upgrade in request.headers.get_all("Upgrade")] != ["websocket"]:
+            # who asks whether this is alive gets the same answer when there is no place for a client
+            response = plain(HTTPStatus.UPGRADE_REQUIRED, "this is a WebSocket server\n")
+            response.headers["Upgrade"] = "websocket"
+            del response.headers["Connection"]
+            response.headers["Connection"] = "Upgrade, close"  # RFC 9110 7.8 wants it with every Upgrade
+            self._refuse(response)
+            return
+        response = protocol.accept(request)
+        if response.status_code == HTTPStatus.INTERNAL_SERVER_ERROR:  # headers that the library cannot read
+            response = plain(HTTPStatus.BAD_REQUEST, NO_HANDSHAKE)
+        if response.status_code != HTTPStatus.SWITCHING_PROTOCOLS:
+            self._refuse(response)
+            return
+        self._enter(request.headers, response, rest)
+
+    def _enter(self, headers: Headers, response: Response, rest: bytes) -> None:
+        identity = self._identify(only(headers, "Origin"), only(headers, "Host"), headers.get_all("Cookie"))
+        place = self._house.bridge.place(identity, self.address)
+        if reason := self._house.places.refusal(place):
+            self._house.log(self.address, f"a client of {self.address} was refused: {reason}")
+            self._refuse(plain(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n"))
+            return
+        del self._house.openings[self]
+        self._transport.write(response.serialize())
+        connection = Connection(self._house, self._transport, place)
+        self._transport.set_protocol(connection)
+        connection.begin(identity, rest)
+
+    def _refuse(self, response: Response) -> None:
+        self._transport.write(response.serialize())
+        self._transport.close()
+
+
+def plain(status: HTTPStatus, text: str) -> Response:
+    """An answer in words, after which the connection ends."""
+    body = text.encode()
+    headers = Headers(
+        {
+            "Date": email.utils.formatdate(usegmt=True),
+            "Connection": "close",
+            "Content-Length": str(len(body)),
+            "Content-Type": "text/plain; charset=utf-8",
+        }
+    )
+    return Response(status.value, status.phrase, headers, body)
+
+
+def only(headers: Headers, name: str) -> str | None:
+    """The header's value, None without one. Of several no browser's is made: together they are nobody's address."""
+    return ", ".join(headers.get_all(name)) or None

@@ -1,0 +1,94 @@
+"""The WebSocket server: listens, looks after all its clients, and says goodbye."""
+
+import asyncio
+import contextlib
+import resource
+import socket
+from types import TracebackType
+from typing import Self
+
+from websockets.frames import CloseCode
+
+from server.rosbridge.websocket.connection import CLOSE_TIMEOUT
+from server.rosbridge.websocket.house import Bridge, House
+from server.rosbridge.websocket.opening import Identify, Opening
+from server.rosbridge.websocket.places import Limits, Places
+from server.rosbridge.websocket.turns import Turns
+
+OPEN_TIMEOUT = 5.0  # s for the handshake
+TICK = 0.5  # s between two looks at all clients
+# A tick that comes so late says that the loop, or the whole machine, stood still.
+LATE = 0.5  # s
+BACKLOG = 256  # connections that the kernel holds until they are accepted
+# What the kernel may hold for a slow client. More would only make its news older.
+SEND_BUFFER = 64 * 2**10  # bytes
+ACCEPTED = 0.01  # s until all that were accepted before the end are known
+SPARE_FILES = 500  # beside the clients' sockets: those of ROS above all
+
+
+class WebSocketServer:
+    """Listens while in an `async with`."""
+
+    def __init__(self, bridge: Bridge, listener: socket.socket, identify: Identify, limits: Limits | None = None):
+        """`listener` is bound, and not listening yet. `identify` tells who sends a handshake."""
+        self._bridge, self._listener, self._identify = bridge, listener, identify
+        self._limits = limits or Limits()
+        self._house: House
+        self._server: asyncio.Server
+        self._timer: asyncio.TimerHandle
+        self._next_tick = 0.0
+
+    async def __aenter__(self) -> Self:
+        """OSError when the port cannot be had."""
+        loop = asyncio.get_running_loop()
+        self._house = House(loop, self._bridge, Places(self._limits), Turns(loop))
+        allow_files(self._limits.clients + self._limits.all_opening + SPARE_FILES)
+        self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)  # its connections inherit it
+        self._server = await loop.create_server(self._open, sock=self._listener, backlog=BACKLOG)
+        self._next_tick = loop.time() + TICK
+        self._timer = loop.call_at(self._next_tick, self._tick)
+        return self
+
+    async def __aexit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
+        """Close all sockets with 1001."""
+        self._timer.cancel()
+        self._server.close()
+        self._house.ending = True
+        for opening in list(self._house.openings):
+            opening.cut()
+        for connection in list(self._house.connections):
+            connection.close(CloseCode.GOING_AWAY)
+        await asyncio.sleep(ACCEPTED)
+        self._house.left()
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(self._house.empty.wait(), 2 * CLOSE_TIMEOUT)
+        await self._server.wait_closed()
+
+    def touch(self) -> None:
+        """A message has come that is not from a WebSocket: it counts for the loop's pace."""
+        self._house.turns.touch()
+        self._house.turns.handled += 1
+
+    def _open(self) -> Opening:
+        return Opening(self._house, self._identify)
+
+    def _tick(self) -> None:
+        now = self._house.loop.time()
+        late = now - self._next_tick
+        self._next_tick = now + TICK
+        self._timer = self._house.loop.call_at(self._next_tick, self._tick)
+        for connection in list(self._house.connections):
+            if late > LATE:
+                connection.excuse(late)
+            connection.check(now)
+        for opening, began in list(self._house.openings.items()):
+            if now - began > OPEN_TIMEOUT:
+                opening.cut()
+
+
+def allow_files(number: int) -> None:
+    """Allow this process so many open files, or as many as it may: each client is one."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != resource.RLIM_INFINITY and soft < number:
+        most = number if hard == resource.RLIM_INFINITY else min(number, hard)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
