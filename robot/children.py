@@ -3,12 +3,14 @@
 Each is in a process group of its own, so that Ctrl-C reaches the supervisor only, which ends them in order.
 """
 
+import os
 import subprocess
 import sys
 import time
 from collections.abc import Callable
 
-from laser_bot_battle.names import command_topic, response_topic, robot_node
+from laser_bot_battle.names import command_topic, key_digest, response_topic, robot_node
+from laser_bot_battle.place import Place
 
 POLL = 0.05  # s
 ANSWER_TIMEOUT = 30.0  # s for the ID; a small Raspberry Pi that has just been switched on may start rospy for 10 s
@@ -22,7 +24,7 @@ class RegistrationError(Exception):
 class SerialNode:
     """`python3 -m robot.serial_node` as the ROS node Robot<ID>; a context manager that ends it."""
 
-    def __init__(self, device: str, robot_id: int) -> None:
+    def __init__(self, device: str, robot_id: int, place: Place) -> None:
         self._process = subprocess.Popen(
             [
                 sys.executable,
@@ -34,6 +36,7 @@ class SerialNode:
                 f"command:={command_topic(robot_id)}",
                 f"response:={response_topic(robot_id)}",
             ],
+            env={**os.environ, **place.environment()},
             stdin=subprocess.PIPE,
             process_group=0,
         )
@@ -50,13 +53,14 @@ class SerialNode:
         return self._process.poll()
 
 
-def register(wanted: Callable[[], bool]) -> int:
-    """Ask the server for this robot's ID; RegistrationError says why there is none.
+def register(place: Place, key: str, wanted: Callable[[], bool]) -> int:
+    """Ask the server there for this robot's ID, whose pings will show `key`; RegistrationError says why there is none.
 
     Gives up as soon as `wanted` says no.
     """
     process = subprocess.Popen(
-        [sys.executable, "-m", "robot.register"],
+        [sys.executable, "-m", "robot.register", key_digest(key)],
+        env={**os.environ, **place.environment()},
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -16,9 +16,9 @@ _log = logging.getLogger(__name__)
 
 
 class DeviceTopics:
-    """Owned by one thread; `on_command(topic_id, payload)` is called from rospy's threads."""
+    """Owned by one thread; `on_command(topic, payload)` is called from rospy's threads."""
 
-    def __init__(self, on_command: Callable[[int, bytes], None]) -> None:
+    def __init__(self, on_command: Callable[[TopicInfo, bytes], None]) -> None:
         self._on_command = on_command
         self._known: dict[int, TopicInfo] = {}
         self._endpoints: dict[int, Any] = {}  # rospy.Publisher or rospy.Subscriber
@@ -32,13 +32,9 @@ class DeviceTopics:
         """Have what ROS publishes on the topic handed to `on_command`, of several waiting messages only the newest."""
 
         def received(message: genpy.Message) -> None:
-            self._on_command(info.topic_id, serialised(message))
+            self._on_command(info, serialised(message))
 
         self._open(info, lambda kind: rospy.Subscriber(info.topic_name, kind, received, queue_size=1, tcp_nodelay=True))
-
-    def info(self, topic_id: int) -> TopicInfo | None:
-        """What the device has told about an open topic, None if it is not open."""
-        return self._known[topic_id] if topic_id in self._endpoints else None
 
     def publish(self, topic_id: int, payload: bytes) -> None:
         """Publish a message of the device; nothing happens for a topic that was refused."""

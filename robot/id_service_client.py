@@ -2,16 +2,19 @@
 
     python3 -m robot.id_service_client
 
-The Arduino is asked first, so that the server never offers players a robot that cannot move. Then the pings and the
-serial node Robot<ID> run until the serial node ends; when the server has forgotten the robot, both start again.
+The master is found first, as the settings or else the network say (docs/discovery.md). The Arduino is asked next, so
+that the server never offers players a robot that cannot move. Then the pings and the serial node Robot<ID> run until
+the serial node ends; when the server has forgotten the robot, or one of them has another address, both start again.
 Whatever fails is said in one line and tried again, for ever.
 The status LED is lit from the start until the robot has an ID, blinks slowly while it works, and fast while it lacks
 its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 """
 
 import argparse
+import contextlib
 import logging
 import os
+import secrets
 import signal
 import sys
 import time
@@ -20,12 +23,15 @@ from robot.installed import missing_explained, require
 
 with missing_explained():
     from laser_bot_battle import alive, variables
+    from laser_bot_battle.announcement import NoArenaError
+    from laser_bot_battle.place import Place
     from laser_bot_battle.settings import describe
     from robot.children import RegistrationError, SerialNode, register
     from robot.ping_thread import PingThread
     from robot.serial_port import PortError, probe
     from robot.settings import Settings
     from robot.status_led import Indication, State, status_led
+    from robot.whereabouts import Lookout, MovedError, ReaddressedError, Whereabouts
 
 require(
     "rospy", "rosgraph", "genpy", "std_msgs", "laser_bot_battle.msg._Robot_msg"
@@ -33,6 +39,7 @@ require(
 
 PROGRAM = "robot.id_service_client"
 POLL = 0.1  # s
+LOST_AFTER = 2.0  # s without an answer to the pings; the master may be at another address then
 
 _log = logging.getLogger(__name__)
 
@@ -46,6 +53,7 @@ def main() -> int:
         prog=PROGRAM,
         description=__doc__,
         epilog=describe(
+            variables.ARENA_NAME,
             variables.MASTER,
             variables.WEB,
             variables.ROS_MASTER_URI,
@@ -61,39 +69,53 @@ def main() -> int:
     # roslaunch adds ROS arguments such as __name:=...
     parser.parse_args([word for word in sys.argv[1:] if ":=" not in word])
     settings = Settings.load(PROGRAM)
-    for number in (signal.SIGINT, signal.SIGTERM):  # a shell starts background programs with SIGINT ignored
-        signal.signal(number, signal.default_int_handler)
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell starts background programs with it ignored
+    # as SIGINT: while an event loop runs, asyncio makes a cancellation of that, and raises nothing in the middle of it
+    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
-        with status_led(settings.led) as led:
+        with contextlib.closing(Whereabouts(settings)) as whereabouts, status_led(settings.led) as led:
             while True:
                 _log.info("Starting service client ...")
                 try:
-                    run_robot(settings, led)
-                except (ArduinoLostError, PortError, RegistrationError) as error:
+                    run_robot(settings, whereabouts, led)
+                except (ArduinoLostError, NoArenaError, PortError, RegistrationError) as error:
                     led.state = State.FAILING
                     _log.error("%s (again in %g s)", error, settings.retry)
-                time.sleep(settings.retry)
+                whereabouts.rest(settings.retry)
     except KeyboardInterrupt:
         _log.info("ending")
     return 0
 
 
-def run_robot(settings: Settings, led: Indication) -> None:
-    """One life of the robot, from finding the Arduino to losing it; always ends with an exception that says why."""
+def run_robot(settings: Settings, whereabouts: Whereabouts, led: Indication) -> None:
+    """One life of the robot, from finding the master to losing the Arduino; always ends with an exception: why."""
+    place = whereabouts.locate()
     device = find_arduino(settings.devices)
     _log.info("asking the Arduino at %s", device)
     probe(device)
-    robot_id, registered = register(wanted=lambda: True), True
+    key = secrets.token_urlsafe()  # by which the server tells this robot's pings from others'
+    robot_id, registered = register(place, key, wanted=lambda: True), True
     while True:
-        with SerialNode(device, robot_id) as node:
-            if not registered:
-                last, robot_id, registered = robot_id, register_again(node, settings.retry), True
-                if robot_id != last:
-                    continue  # under its new name
-            _log.info("New robot ID = %d", robot_id)
-            with PingThread(settings.alive_url, robot_id) as pings:
-                supervise(node, pings, led, time.monotonic() + settings.retry)
-            _log.warning("the server does not know robot %d: registering again", robot_id)
+        with SerialNode(device, robot_id, place) as node, Lookout(place) as lookout:
+            try:
+                if not registered:
+                    last, robot_id, registered = (
+                        robot_id,
+                        register_again(node, place, key, lookout, settings.retry),
+                        True,
+                    )
+                    if robot_id != last:
+                        continue  # under its new name
+                _log.info("New robot ID = %d", robot_id)
+                whereabouts.join(place)
+                with PingThread(f"http://{place.host}:{place.web}/incAlive", robot_id, key) as pings:
+                    supervise(node, pings, lookout, led, time.monotonic() + settings.retry)
+                _log.warning("the server does not know robot %d: registering again", robot_id)
+            except MovedError as moved:
+                _log.warning("%s; it was at %s: registering again", moved, place.host)
+                place = moved.place
+            except ReaddressedError as error:
+                _log.warning("%s: registering again", error)
             led.state = State.FAILING
             # Restart the node: after an outage its subscriber may hold a connection whose other end was closed. Until
             # it notices, rospy takes the next player's connection for that one.
@@ -108,10 +130,11 @@ def find_arduino(devices: tuple[str, ...]) -> str:
     raise ArduinoLostError(f"No attached ARDUINO found: looked for {', '.join(devices)}")
 
 
-def supervise(node: SerialNode, pings: PingThread, led: Indication, not_before: float) -> None:
+def supervise(node: SerialNode, pings: PingThread, lookout: Lookout, led: Indication, not_before: float) -> None:
     """Watch a working robot until the server has forgotten it; a server that does so at once is not asked in a rush.
 
-    ArduinoLostError when the serial node ends.
+    ArduinoLostError when the serial node ends, MovedError when the server has gone to another address, ReaddressedError
+    when this robot has.
     """
     touch_at = 0.0
     while node.exit_code is None:
@@ -122,21 +145,29 @@ def supervise(node: SerialNode, pings: PingThread, led: Indication, not_before: 
             touch_at = now + alive.PERIOD
         if pings.unknown.is_set() and now >= not_before:
             return
+        lookout.watch(lost=pings.silence >= LOST_AFTER)
         time.sleep(POLL)
     raise ArduinoLostError(lost(node))
 
 
-def register_again(node: SerialNode, retry: float) -> int:
+def register_again(node: SerialNode, place: Place, key: str, lookout: Lookout, retry: float) -> int:
     """Ask until there is an ID, while the new serial node starts: so the robot moves soon after players may have it.
 
-    ArduinoLostError when the serial node ends.
+    ArduinoLostError when the serial node ends, MovedError when the server has gone to another address, ReaddressedError
+    when this robot has.
     """
-    ask_at = 0.0
-    while node.exit_code is None:
+    ask_at, failed = 0.0, False
+
+    def wanted() -> bool:
+        lookout.watch(lost=failed)
+        return node.exit_code is None
+
+    while wanted():
         if time.monotonic() >= ask_at:
             try:
-                return register(wanted=lambda: node.exit_code is None)
+                return register(place, key, wanted)
             except RegistrationError as error:
+                failed = True
                 if node.exit_code is None:
                     _log.error("%s (again in %g s)", error, retry)
                 ask_at = time.monotonic() + retry

@@ -5,6 +5,8 @@ from contextlib import contextmanager
 from importlib import import_module
 
 PACKAGES = {
+    "zeroconf": "apt install python3-zeroconf",
+    "ifaddr": "apt install python3-ifaddr",
     "serial": "apt install python3-serial",
     "requests": "apt install python3-requests",
     "rospy": "apt install python3-rospy",

@@ -15,13 +15,16 @@ _log = logging.getLogger(__name__)
 class PingThread(threading.Thread):
     """Pings from start() to stop(), whatever the server does; a context manager does both."""
 
-    def __init__(self, url: str, robot_id: int) -> None:
+    def __init__(self, url: str, robot_id: int, key: str) -> None:
+        """`key`: by which the server knows that a ping is this robot's."""
         super().__init__(name="pings", daemon=True)
-        self.unknown = threading.Event()  # set when the server says that it does not know this robot
+        self.unknown = threading.Event()  # set when the server does not know this robot, or its key
         self._url = url
         self._robot_id = robot_id
+        self._key = key
         self._end = threading.Event()
         self._reachable = True
+        self._answered_at = time.monotonic()
 
     def __enter__(self) -> "PingThread":
         self.start()
@@ -34,6 +37,11 @@ class PingThread(threading.Thread):
     def welcome(self) -> bool:
         """Whether the server answers, and knows this robot."""
         return self._reachable and not self.unknown.is_set()
+
+    @property
+    def silence(self) -> float:
+        """For how many s no ping has been answered."""
+        return time.monotonic() - self._answered_at
 
     def stop(self) -> None:
         """No ping is sent after this; one on its way is not waited for."""
@@ -51,8 +59,9 @@ class PingThread(threading.Thread):
 
     def _ping(self, session: requests.Session) -> None:
         try:
-            answer = session.post(self._url, data={"ID": self._robot_id}, timeout=TIMEOUT, allow_redirects=False)
-            if answer.status_code != requests.codes.ok:
+            ping = {"ID": self._robot_id, "key": self._key}
+            answer = session.post(self._url, data=ping, timeout=TIMEOUT, allow_redirects=False)
+            if answer.status_code not in (requests.codes.ok, requests.codes.forbidden):
                 raise ValueError(f"HTTP status {answer.status_code}")
             status = answer.json()["status"]
             if status not in ("OK", "ERROR"):
@@ -66,6 +75,7 @@ class PingThread(threading.Thread):
             if not self._reachable:
                 _log.info("webserver answers again")
             self._reachable = True
+            self._answered_at = time.monotonic()
             if status == "ERROR":
                 self.unknown.set()
 

@@ -1,6 +1,7 @@
 """The serial port of the Arduino: a device path, or a pyserial URL such as socket://host:port."""
 
 import contextlib
+import os
 import select
 import socket
 import termios
@@ -58,7 +59,11 @@ class SerialPort:
     def write(self, data: bytes) -> None:
         """PortError when the port is gone or takes nothing for 1 s."""
         try:
-            self._port.write(data)
+            # pyserial would ask select after each write, though a line that is not overloaded takes all at once
+            with contextlib.suppress(BlockingIOError):
+                data = data[os.write(self.fileno(), data) :]
+            if data:
+                self._port.write(data)
         except (OSError, termios.error) as error:
             raise PortError(f"cannot write to {self.device}: {error}") from None
 

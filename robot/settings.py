@@ -7,14 +7,15 @@ from pathlib import Path
 
 from laser_bot_battle import variables
 from laser_bot_battle.log import configure_logging
-from laser_bot_battle.names import ROS_PORT, client_name
+from laser_bot_battle.names import client_name
+from laser_bot_battle.place import Place
 from laser_bot_battle.settings import read_or_exit
 
 
 @dataclass(frozen=True)
 class Settings:
-    alive_url: str  # of the web server, for the pings
-    ros_master_uri: str
+    place: Place | None  # of the master; None if the robot is to find it
+    arena: str  # the name of the one to join, "" for the only one
     devices: tuple[str, ...]  # where the Arduino may be, best first: paths or pyserial URLs
     caller_id: str  # the ROS name under which this robot asks for its ID
     retry: float  # s between attempts
@@ -24,10 +25,9 @@ class Settings:
     @classmethod
     def from_env(cls, env: Mapping[str, str]) -> "Settings":
         """SettingsError names the variable whose value cannot be used."""
-        master = variables.MASTER.read(env)
         return cls(
-            alive_url=f"http://{master}:{variables.WEB.read(env)}/incAlive",
-            ros_master_uri=variables.ROS_MASTER_URI.read(env, default=f"http://{master}:{ROS_PORT}"),
+            place=Place.given(env),
+            arena=variables.ARENA_NAME.read(env),
             devices=variables.SERIAL.read(env),
             caller_id=client_name(variables.ROBOT_NAME.read(env) or default_robot_name()),
             retry=variables.RETRY.read(env),

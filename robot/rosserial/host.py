@@ -102,7 +102,7 @@ class Host:
         return self._handle(self._decoder.feed(data, now), now, wall) + self._complaint(now)
 
     def tick(self, now: float, wall: float) -> list[Event]:
-        """What follows from the time alone; to be called at least every 0.1 s."""
+        """What follows from the time alone; to be called at least twice a second."""
         events = self._handle(self._decoder.expire(now), now, wall)
         if self._last_sign is None:
             if now - self._started >= ANSWER_TIMEOUT:

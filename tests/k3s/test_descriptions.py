@@ -1,4 +1,4 @@
-"""A battle is described three times for starting (roslaunch, compose, Kubernetes): each has the same programs."""
+"""A battle and a master of a LAN are started in three ways (roslaunch, compose, Kubernetes): by the same programs."""
 
 import re
 import shlex
@@ -11,7 +11,7 @@ import roslaunch.config
 import yaml
 
 from tests.support.imagefile import dockerfile
-from tests.support.manifests import Kubelet, overlay
+from tests.support.manifests import Kubelet, Manifests, Object, overlay
 from tests.support.programs import ROOT
 
 # for two robots and a bot
@@ -24,6 +24,10 @@ PROGRAMS = {
     "robot.id_service_client": 2,
     "sim.bot": 1,
 }
+# where multicast passes
+ANNOUNCED = {"server.announcer": 1}
+TRACKED = {"sim.positions": 1}  # needs ROS, which the image of the simulator has not
+MASTER_OF_A_LAN = {"rosmaster": 1, "server.main": 1, "server.rosbridge": 1, **ANNOUNCED}
 
 
 class Start(NamedTuple):
@@ -40,35 +44,46 @@ class Start(NamedTuple):
         return self.command[self.command.index(name) + 1]
 
 
-def by_roslaunch() -> list[Start]:
-    file = str(next(ROOT.glob("*/launch/demo.launch")))
-    arguments = ["robots:=2", "bots:=1", "run_dir:=/run"]
-    launch = roslaunch.config.load_config_default([(file, arguments)], 11311, assign_machines=False)
+def launched(file: str, *arguments: str) -> list[Start]:
+    path = str(next(ROOT.glob(f"*/launch/{file}.launch")))
+    launch = roslaunch.config.load_config_default([(path, list(arguments))], 11311, assign_machines=False)
     nodes = [Start(shlex.split(node.args), dict(node.env_args)) for node in launch.nodes]
-    return [Start(["rosmaster"], {}), *nodes]  # sim/demo.py starts the master
+    return [Start(["rosmaster"], {}), *nodes]  # roscore or sim/demo.py starts the master
 
 
-def by_compose() -> list[Start]:
+def composed(profile: str) -> list[Start]:
     services = yaml.safe_load((ROOT / "compose.yaml").read_text())["services"].values()
     found = []
     for service in services:
-        if "demo" in service["profiles"]:
+        if profile in service["profiles"]:
             image = re.findall(r"(\w+):\$", service["image"])[0]
             command = service.get("command") or dockerfile(image).command
             found.append(Start(command, service.get("environment", {})))
     return found
 
 
-def by_kubernetes() -> list[Start]:
-    manifests, found = overlay("sim"), []
+def in_pods(manifests: Manifests, workloads: list[Object]) -> list[Start]:
+    found = []
     addresses = {"master": "10.43.0.1", "arena": "10.43.0.2"}
-    for workload in manifests.workloads:
+    for workload in workloads:
         name, pod = workload["metadata"]["name"], workload["spec"]["template"]["spec"]
         for number in range(workload["spec"]["replicas"]):
             fields = {"metadata.name": f"{name}-{number}", "status.podIP": "10.42.0.7"}
             kubelet = Kubelet(manifests, pod, fields, addresses)
             found += [Start(kubelet.command(each), kubelet.environment(each)) for each in pod["containers"]]
     return found
+
+
+def by_roslaunch() -> list[Start]:
+    return launched("demo", "robots:=2", "bots:=1", "run_dir:=/run")
+
+
+def by_compose() -> list[Start]:
+    return composed("demo")
+
+
+def by_kubernetes() -> list[Start]:
+    return in_pods(overlay("sim"), overlay("sim").workloads)
 
 
 every_description = pytest.mark.parametrize("describe", [by_roslaunch, by_compose, by_kubernetes])
@@ -81,7 +96,20 @@ def package_path(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @every_description
 def test_it_starts_every_program_and_no_other(describe: Callable[[], list[Start]]) -> None:
-    assert Counter(start.program for start in describe()) == PROGRAMS
+    more = {**ANNOUNCED, **TRACKED} if describe is by_roslaunch else {}
+    assert Counter(start.program for start in describe()) == {**PROGRAMS, **more}
+
+
+@pytest.mark.parametrize(
+    "starts",
+    [
+        pytest.param(lambda: launched("master"), id="roslaunch"),
+        pytest.param(lambda: composed("master"), id="compose"),
+        pytest.param(lambda: in_pods(overlay("lan"), [overlay("lan").one("Deployment", "master")]), id="kubernetes"),
+    ],
+)
+def test_a_lans_master_starts_every_program_and_no_other(starts: Callable[[], list[Start]]) -> None:
+    assert Counter(start.program for start in starts()) == MASTER_OF_A_LAN
 
 
 @every_description

@@ -50,10 +50,10 @@ def test_the_schemas_cover_the_versions_that_k3s_ships() -> None:
 def test_the_optional_parts_of_lan_may_be_uncommented(tmp_path: Path, customize: Customize) -> None:
     shutil.copytree(ROOT / "k3s", tmp_path / "k3s")
     file = tmp_path / "k3s/overlays/lan/kustomization.yaml"
-    text, lines = re.subn(r"^# (components:|  - )", r"\1", file.read_text(), flags=re.MULTILINE)
-    assert lines == 3
+    text, lines = re.subn(r"^  # - ", "  - ", file.read_text(), flags=re.MULTILINE)
+    assert lines == 1
     file.write_text(text)
-    assert specs(Manifests(file.parent)) == specs(customize("lan", "kept-data", "device-plugin"))
+    assert specs(Manifests(file.parent)) == specs(customize("lan", "device-plugin"))
 
 
 def specs(manifests: Manifests) -> list[tuple[object, ...]]:
@@ -63,15 +63,20 @@ def specs(manifests: Manifests) -> list[tuple[object, ...]]:
     ]
 
 
-@pytest.mark.parametrize("component", ["kept-data", "device-plugin"])
-def test_each_optional_part_of_lan_is_in_a_namespace_that_is_made_with_it(customize: Customize, component: str) -> None:
-    test_every_object_is_in_a_namespace_that_is_made_with_it(customize("lan", component))
+OPTIONAL = [("lan", "device-plugin"), ("sim", "kept-data")]
 
 
-@pytest.mark.parametrize("component", ["kept-data", "device-plugin"])
-def test_each_optional_part_of_lan_fits_the_schemas_too(customize: Customize, component: str) -> None:
-    changed = customize("lan", component)
-    assert changed.objects != overlay("lan").objects
+@pytest.mark.parametrize(("base", "component"), OPTIONAL)
+def test_each_optional_part_is_in_a_namespace_that_is_made_with_it(
+    customize: Customize, base: str, component: str
+) -> None:
+    test_every_object_is_in_a_namespace_that_is_made_with_it(customize(base, component))
+
+
+@pytest.mark.parametrize(("base", "component"), OPTIONAL)
+def test_each_optional_part_fits_the_schemas_too(customize: Customize, base: str, component: str) -> None:
+    changed = customize(base, component)
+    assert changed.objects != overlay(base).objects
     for kubernetes in (VERSIONS[0], VERSIONS[-1]):
         validate(changed, kubernetes)
 
@@ -85,13 +90,12 @@ def test_the_schemas_refuse_what_is_wrong(customize: Customize) -> None:
         validate(customize("sim", patches=[patch]), VERSIONS[0])
 
 
-def test_the_example_of_the_secret_fits_what_rosbridge_asks_for() -> None:
+@pytest.mark.parametrize("program", ["rosbridge", "web"])
+def test_the_example_of_the_secret_fits_what_the_programs_ask_for(program: str) -> None:
     example = yaml.safe_load((ROOT / "k3s/base/secret.example.yaml").read_text())
     kubernetes_validate.validate(example, VERSIONS[0], strict=True)
-    ((_, rosbridge),) = [
-        (pod, container) for pod, container in overlay("sim").containers if container["name"] == "rosbridge"
-    ]
-    (token,) = [item for item in rosbridge["env"] if item["name"] == "LASERBOT_OPERATOR_TOKEN"]
+    (asking,) = [container for _, container in overlay("sim").containers if container["name"] == program]
+    (token,) = [item for item in asking["env"] if item["name"] == "LASERBOT_OPERATOR_TOKEN"]
     reference = token["valueFrom"]["secretKeyRef"]
     assert reference["name"] == example["metadata"]["name"]
     assert reference["key"] in example["stringData"]

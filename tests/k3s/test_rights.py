@@ -81,12 +81,21 @@ def test_no_pod_gets_a_token_of_the_cluster(manifests: Manifests) -> None:
         assert account["automountServiceAccountToken"] is False
 
 
-def test_the_data_can_be_kept(customize: Customize) -> None:
-    kept = customize("lan", "kept-data")
-    claim = kept.one("PersistentVolumeClaim", "data")
-    volumes = kept.one("Deployment", "master")["spec"]["template"]["spec"]["volumes"]
-    (data,) = [volume for volume in volumes if volume["name"] == "data"]
+@pytest.mark.parametrize("kept", [("lan",), ("sim", "kept-data")])
+def test_what_the_web_server_keeps_outlives_its_pod(customize: Customize, kept: tuple[str, ...]) -> None:
+    manifests = customize(*kept)
+    master = manifests.one("Deployment", "master")
+    pod = master["spec"]["template"]["spec"]
+    claim = manifests.one("PersistentVolumeClaim", "data")
+    assert claim["metadata"]["namespace"] == master["metadata"]["namespace"]
+    (data,) = [volume for volume in pod["volumes"] if volume["name"] == "data"]
     assert data == {"name": "data", "persistentVolumeClaim": {"claimName": claim["metadata"]["name"]}}
+    (web,) = [container for container in pod["containers"] if container["name"] == "web"]
+    assert {"name": "data", "mountPath": "/var/lib/laserbot"} in web["volumeMounts"]
+    assert pod["securityContext"]["fsGroup"] == pod["securityContext"]["runAsUser"], "it may write there"
+    # the next pod starts when this one has ended, and a battle waits for it
+    assert master["spec"]["strategy"] == {"type": "Recreate"}
+    assert 2 <= pod["terminationGracePeriodSeconds"] <= 5
 
 
 def stays(pod: Object) -> bool:

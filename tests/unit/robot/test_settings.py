@@ -11,8 +11,8 @@ from tests.support.program_settings import Recorder
 
 def test_the_defaults_are_those_of_the_manual() -> None:
     settings = Settings.from_env({})
-    assert settings.alive_url == "http://laser_bot_master.local:5000/incAlive"
-    assert settings.ros_master_uri == "http://laser_bot_master.local:11311"
+    assert settings.place is None, "the robot finds the master"
+    assert settings.arena == ""
     assert settings.devices == ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0")
     assert settings.retry == 5
     assert settings.led == 18
@@ -23,6 +23,7 @@ def test_the_defaults_are_those_of_the_manual() -> None:
 def test_the_environment_overrides_them() -> None:
     settings = Settings.from_env(
         {
+            "LASERBOT_ARENA": "hall",
             "LASERBOT_MASTER": "10.0.0.7",
             "LASERBOT_WEB_PORT": "5050",
             "LASERBOT_SERIAL": "socket://arena:9000",
@@ -32,8 +33,10 @@ def test_the_environment_overrides_them() -> None:
             "LASERBOT_LOG_LEVEL": "DEBUG",
         }
     )
-    assert settings.alive_url == "http://10.0.0.7:5050/incAlive"
-    assert settings.ros_master_uri == "http://10.0.0.7:11311"
+    assert settings.place
+    assert (settings.place.host, settings.place.web) == ("10.0.0.7", 5050)
+    assert settings.place.ros_master_uri == "http://10.0.0.7:11311"
+    assert settings.arena == "hall"
     assert settings.devices == ("socket://arena:9000",)
     assert settings.caller_id == "/id_service_client_virtual_0"
     assert (settings.retry, settings.led, settings.log_level) == (0.5, 27, "debug")
@@ -49,7 +52,9 @@ def test_a_robot_may_have_no_led() -> None:
 
 
 def test_a_ros_master_that_is_set_counts() -> None:
-    assert Settings.from_env({"ROS_MASTER_URI": "http://elsewhere:1"}).ros_master_uri == "http://elsewhere:1"
+    place = Settings.from_env({"ROS_MASTER_URI": "http://elsewhere:1"}).place
+    assert place
+    assert (place.host, place.ros_master_uri) == ("elsewhere", "http://elsewhere:1")
 
 
 @pytest.mark.parametrize(
@@ -65,6 +70,8 @@ def test_a_ros_master_that_is_set_counts() -> None:
         ("LASERBOT_LED", "GPIO18"),
         ("LASERBOT_LED", "²"),
         ("LASERBOT_LOG_LEVEL", "loud"),
+        ("LASERBOT_ARENA", "hall\n"),
+        ("LASERBOT_ARENA", "ä" * 32),
         ("ROS_MASTER_URI", "master"),
         ("ROS_MASTER_URI", "http://master"),
         ("ROS_MASTER_URI", "http://master:port"),

@@ -45,3 +45,42 @@ def test_our_own_failures_keep_their_traceback(capsys):
     except KeyError:
         logging.getLogger("server.x").exception("failed")
     assert "Traceback" in capsys.readouterr().err
+
+
+def test_what_strangers_send_cannot_look_like_another_line(capsys):
+    configure_logging("info")
+    for forged in ("a\n2026-01-01 ERROR x: y", "a\r\x1b[2J", "a\u2028b\x85c\u202ed", "\udcff"):
+        logging.getLogger("any.logger").info("robot %s", forged)
+    text = capsys.readouterr().err
+    assert len(text.splitlines()) == 4
+    assert text.replace("\n", "").isprintable()
+    assert r"robot a\n2026-01-01 ERROR x: y" in text
+    try:
+        raise ValueError("a\n2026-01-01 ERROR x: y")
+    except ValueError:
+        logging.getLogger("any.logger").exception("failed")
+    first, *rest = capsys.readouterr().err.splitlines()
+    assert first.endswith("any.logger: failed")
+    assert all(line.startswith("  ") for line in rest)
+
+
+def test_a_long_text_is_cut(capsys):
+    configure_logging("info")
+    logging.getLogger("any.logger").info("x" * 1_000_000)
+    assert len(capsys.readouterr().err) < 5000
+
+
+@pytest.mark.parametrize("logger", ["server.web.api", "waitress", "rosout"])
+def test_strangers_have_a_budget_of_lines_and_what_is_left_out_is_counted(capsys, monkeypatch, logger):
+    configure_logging("info")
+    now = [100.0]
+    monkeypatch.setattr("laser_bot_battle.log.time.monotonic", lambda: now[0])
+    for number in range(1254):
+        logging.getLogger(logger).warning("refused %d", number)
+    assert len(capsys.readouterr().err.splitlines()) == 20
+    logging.getLogger("server.main").info("others speak")
+    now[0] += 1.0
+    logging.getLogger(logger).warning("refused")
+    logging.getLogger(logger).warning("refused")
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.rpartition(": ")[2] for line in lines] == ["others speak", "refused (and 1,234 more like this)"]

@@ -1,6 +1,6 @@
 import pytest
 
-from robot.ros_environment import ros_environment
+from laser_bot_battle.ros_environment import ros_environment
 
 
 def test_the_address_of_this_machine_is_the_one_on_the_route_to_the_master() -> None:

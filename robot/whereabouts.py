@@ -1,0 +1,157 @@
+"""Where this robot's master is: found before each life of the robot, and looked for again while it is lost."""
+
+import asyncio
+import contextlib
+import logging
+import os
+import threading
+import time
+
+from laser_bot_battle.addresses import own_addresses
+from laser_bot_battle.place import Place, find_again, locate
+from laser_bot_battle.ros_environment import address_towards, has_address
+from robot.settings import Settings
+
+END_TIMEOUT = 1.0  # s
+LOOK = 1.0  # s between two looks at this robot's addresses
+
+_log = logging.getLogger(__name__)
+
+
+class MovedError(Exception):
+    """The arena is at another place now."""
+
+    def __init__(self, place: Place) -> None:
+        super().__init__(f"{place}")
+        self.place = place
+
+
+class ReaddressedError(Exception):
+    """This robot has another address now; the text says so."""
+
+
+class Whereabouts:
+    """The master's place over all lives of the robot. A robot that has joined an arena keeps to its name."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._runner = asyncio.Runner()
+        self._runner.get_loop()  # now: a signal while a loop is made leaves half of one
+        self._arena = settings.arena
+        self._place: Place | None = None
+        self._joined = False  # an arena that announces itself
+
+    def close(self) -> None:
+        self._runner.close()
+
+    def locate(self) -> Place:
+        """Where the robot goes now; NoArenaError says why it cannot go anywhere."""
+        last, self._place = self._place, None
+        self._place = self._runner.run(locate(os.environ, self._arena))
+        if self._place != last:
+            _log.info("%s", self._place)
+        return self._place
+
+    def join(self, place: Place) -> None:
+        """The robot is registered there."""
+        self._place = place
+        if place.arena:
+            self._arena, self._joined = place.arena, True
+
+    def rest(self, seconds: float) -> None:
+        """Wait before the next attempt, not longer than until the robot's arena is heard at a new place."""
+        if self._joined:
+            with contextlib.suppress(TimeoutError):
+                self._runner.run(asyncio.wait_for(find_again(self._arena, self._place), seconds))
+        else:
+            time.sleep(seconds)
+
+
+def locate_once(settings: Settings) -> Place:
+    """For a program that is started by hand: where the master is, looked for and told if nobody has said it.
+
+    NoArenaError says why it cannot be found.
+    """
+    if settings.place:
+        return settings.place
+    place = asyncio.run(locate(os.environ, settings.arena))
+    _log.info("%s", place)
+    return place
+
+
+class OwnAddress:
+    """This robot's address towards the master, by which ROS finds it: as its nodes read it when they start."""
+
+    def __init__(self, place: Place) -> None:
+        self._uri = place.ros_master_uri
+        self._told = "" if has_address(os.environ) else self._now()
+        self._due = 0.0
+
+    def check(self) -> None:
+        """ReaddressedError when this robot has another one in its place."""
+        if not self._told or time.monotonic() < self._due:
+            return
+        self._due = time.monotonic() + LOOK
+        if self._told not in own_addresses() and (now := self._now()):
+            raise ReaddressedError(f"ROS was told the address {self._told}, and this robot now has {now}")
+
+    def _now(self) -> str:
+        with contextlib.suppress(OSError):  # there is no network now
+            return address_towards(self._uri)
+        return ""
+
+
+class Lookout:
+    """Sees when master or robot have another address: it looks for an arena at a new place while its master is lost.
+
+    A context manager that ends it.
+    """
+
+    def __init__(self, place: Place) -> None:
+        self._place = place
+        self._own = OwnAddress(place)
+        self._search: SearchThread | None = None
+
+    def __enter__(self) -> "Lookout":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stop()
+
+    def watch(self, lost: bool) -> None:
+        """Call it again and again. `lost`: the master does not answer. MovedError when its arena is elsewhere,
+        ReaddressedError when this robot has another address."""
+        self._own.check()
+        if not self._place.arena:
+            return  # where it is was said by people
+        if not lost:
+            self._stop()
+        elif self._search is None:
+            _log.info("looking for arena %r at another address", self._place.arena)
+            self._search = SearchThread(self._place)
+            self._search.start()
+        elif self._search.found:
+            raise MovedError(self._search.found)
+
+    def _stop(self) -> None:
+        if self._search:
+            self._search.stop()
+            self._search = None
+
+
+class SearchThread(threading.Thread):
+    """Sets `found` once the arena of that place is found at another one."""
+
+    def __init__(self, place: Place) -> None:
+        super().__init__(name="lookout", daemon=True)
+        self.found: Place | None = None
+        self._loop = asyncio.new_event_loop()
+        self._task = self._loop.create_task(find_again(place.arena, place))
+
+    def run(self) -> None:
+        with contextlib.closing(self._loop), contextlib.suppress(asyncio.CancelledError):
+            self.found = self._loop.run_until_complete(self._task)
+
+    def stop(self) -> None:
+        with contextlib.suppress(RuntimeError):  # it has ended, and closed its loop
+            self._loop.call_soon_threadsafe(self._task.cancel)
+        self.join(END_TIMEOUT)
