@@ -3,36 +3,51 @@
 import logging
 import socket
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-import waitress
+from flask import Blueprint
 from waitress import wasyncore
 
 from laser_bot_battle.log import configure_logging
+from laser_bot_battle.master import Master
 from laser_bot_battle.names import SERVER_NODE
 from laser_bot_battle.settings import read_or_exit
 from server.game.loop import GameLoop
 from server.game.referee import Referee
-from server.node import Node, parse_arguments
+from server.game.robot import Robots
+from server.game.saved import restore
+from server.game.state import State
+from server.node import Node, read_arguments
 from server.pulse import Pulse
 from server.ros.hits import Hits
 from server.ros.id_service_server import IdServiceServer
+from server.ros.links import Links
+from server.ros.node import rospy_node
+from server.ros.positions import PositionsListener
 from server.ros.status import StatusPublisher
 from server.settings import VARIABLES, Settings
-from server.store.roster import Roster
+from server.store.database import Database
+from server.store.log import EventLog
+from server.store.roster import Roster, take_over_file
 from server.web.app import create_app
+from server.web.fair_server import FairServer
+from server.web.operator import create_operator
+from server.web.operator_access import Access
+from server.web.operator_api import create_operator_api
 
 _log = logging.getLogger(__name__)
 
 _CLOSE_WITHIN = 0.5  # s
+_SERVER_STARTS = 5.0  # s that a database server may need longer than this program, after a power cut
 
 
 def main() -> int:
     """The program; returns its exit code."""
     description = "The game server: referee, web server and the ROS node robots_server."
-    parse_arguments("server.main", description, *VARIABLES)
-    settings = read_or_exit("server.main", Settings.from_env)
+    environment = read_arguments("server.main", description, *VARIABLES)
+    settings = read_or_exit("server.main", Settings.from_env, environment)
     configure_logging(settings.node.log_level)
     node = Node(SERVER_NODE, settings.node)
     return node.run(lambda listener: _serve(node, settings, listener))
@@ -40,36 +55,73 @@ def main() -> int:
 
 @contextmanager
 def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[None]:
-    roster = Roster(settings.data, settings.roster)
-    game = GameLoop(Referee(settings.rules, roster.load()))
+    with rospy_node(node), _game(node, settings, listener):
+        yield
+
+
+@contextmanager
+def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[None]:
+    roster = Roster(settings.roster)
+    database = Database(settings.database)
+    game = GameLoop(Referee(settings.rules, _state(database, roster, settings)))
+    database.found = lambda kept: game.take_over(kept.state or {}, roster.with_fixed(kept.robots))
+    log = EventLog(database)
+    log.open()
+    game.add_recorder(database.record)
+    game.add_recorder(log.record)
     hits = Hits(game)
+    positions = PositionsListener(database.keep_piece)
+    links = Links(game, Master(settings.node.master_uri, SERVER_NODE))
     game.add_listener(StatusPublisher().publish)
     game.add_listener(hits.follow)
+    game.add_listener(links.follow)
+    game.add_listener(positions.follow)
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
-    web = waitress.create_server(
-        create_app(game, settings),
-        map=channels,
-        sockets=[listener],
-        threads=8,
-        connection_limit=500,
-        channel_timeout=30,
-        asyncore_use_poll=True,  # select() ends at 1024 files
-        max_request_body_size=1 << 20,  # what the application then refuses politely
-    )
+    app = create_app(game, settings, *_operators(game, settings, database, log))
+    web = FairServer(app, listener, channels)
     game.add_listener(Pulse(web).follow)
     game.start()
     node.start_thread("hits", hits.run)
+    node.start_thread("links", links.run)
     serving = node.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.node.bind, settings.node.port)
     try:
         yield
     finally:
         game.stop()
+        positions.stop()
+        database.close()
         with suppress(OSError):  # the loop was awake, and has closed the trigger before it was pulled
             web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
         serving.join(_CLOSE_WITHIN)
         hits.stop()
+        links.stop()
+
+
+def _operators(game: GameLoop, settings: Settings, database: Database, log: EventLog) -> tuple[Blueprint, ...]:
+    access = Access(settings.operator_token)
+    return create_operator(access), create_operator_api(game, settings, access, database, log)
+
+
+def _state(database: Database, roster: Roster, settings: Settings) -> State:
+    """The game as an earlier program has left it."""
+    kept = database.open(patience=_SERVER_STARTS)
+    known = kept.robots
+    if not known and not database.problem:
+        known = take_over_file(settings.data)
+        database.keep_robots(known)
+    robots = roster.with_fixed(known)
+    if kept.state is not None:
+        pause = max(0.0, time.time() - kept.saved_at)
+        try:
+            state = restore(kept.state, robots, time.monotonic(), pause)
+        except ValueError as error:
+            _log.error("the state in the database is of no use, the game begins anew: %s", error)
+        else:
+            _log.info("the game goes on after %.1f s", pause)
+            return state
+    return State(robots=Robots(robots), battle=kept.battles)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ import logging
 import os
 import signal
 import socket
+import sys
 import threading
 import time
 from collections.abc import Callable, Mapping
@@ -12,27 +13,35 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Self
 
-import rospy
-
 from laser_bot_battle import variables
-from laser_bot_battle.log import configure_logging
 from laser_bot_battle.master import Master, MasterWatch
 from laser_bot_battle.settings import Variable, describe
-from server.ros.tcpros_guard import guard_handshakes
+from server.ros_address import settle
 
 _log = logging.getLogger(__name__)
 
 _END_WITHIN = 1.8  # s
 
 
-def parse_arguments(program: str, description: str, *variables: Variable[Any]) -> None:
-    """The command line of a program that has no options but `--help`; roslaunch adds ROS arguments to it."""
-    argparse.ArgumentParser(
+def read_arguments(
+    program: str, description: str, *variables: Variable[Any], options: Mapping[str, Variable[Any]] | None = None
+) -> dict[str, str]:
+    """The environment, with what the command line says instead. `options` are the variables that can be given there,
+    by their option's name. Besides there is only `--help`; what roslaunch adds for ROS is passed over."""
+    parser = argparse.ArgumentParser(
         prog=program,
         description=description,
         epilog=describe(*variables),
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    ).parse_args(rospy.myargv()[1:])
+    )
+    for option, variable in (options or {}).items():
+        text = f"{variable.name} (see below)"
+        if variable.is_flag:
+            parser.add_argument(option, dest=variable.name, action="store_const", const="1", help=text)
+        else:
+            parser.add_argument(option, dest=variable.name, metavar="VALUE", help=text)
+    given = parser.parse_args([argument for argument in sys.argv[1:] if ":=" not in argument])
+    return {**os.environ, **{name: value for name, value in vars(given).items() if value is not None}}
 
 
 @dataclass(frozen=True)
@@ -61,8 +70,8 @@ class Node:
     """The ROS node `name` while its program runs. A signal ends it with exit code 0, and `fail` with 1."""
 
     def __init__(self, name: str, settings: NodeSettings) -> None:
-        self._name = name
-        self._settings = settings
+        self.name = name
+        self.settings = settings
         self._exit_code = 0
         self.ending = threading.Event()
 
@@ -73,7 +82,7 @@ class Node:
         """
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: self.ending.set())
-        bind, port = self._settings.bind, self._settings.port
+        bind, port = self.settings.bind, self.settings.port
         try:
             listener = _bind(bind, port)
         except OSError as error:
@@ -82,7 +91,7 @@ class Node:
                 bind,
                 port,
                 error.strerror or error,
-                self._settings.port_variable,
+                self.settings.port_variable,
             )
             return 1
         threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
@@ -91,9 +100,9 @@ class Node:
         return self._exit_code
 
     def fail(self, reason: str) -> None:
-        """End the program so that its supervisor starts it again. From any thread."""
+        """End the program with 1, so that its supervisor, if it has one, starts it again. From any thread."""
         if not self.ending.is_set():
-            _log.error("%s: the program ends and is started again", reason)
+            _log.error("%s: the program ends, for its supervisor to start it again", reason)
             self._exit_code = 1
             self.ending.set()
 
@@ -112,26 +121,22 @@ class Node:
         return thread
 
     def _live(self, serve: Callable[[socket.socket], AbstractContextManager[None]], listener: socket.socket) -> None:
-        master = Master(self._settings.master_uri, self._name)
+        master = Master(self.settings.master_uri, self.name)
         if not master.wait(self.ending):
             return
         watch = MasterWatch(master, self.fail)
         try:
             watch.start()
-            guard_handshakes()
-            rospy.init_node(self._name, disable_signals=True, disable_rosout=True)
-            configure_logging(self._settings.log_level)
-            rospy.on_shutdown(lambda: self.fail("ROS has shut this node down"))
+            settle(self.settings.bind, self.settings.master_uri, self.ending, self.fail)
             with serve(listener):
                 self.ending.wait()
-        except (OSError, rospy.ROSException) as error:
+        except OSError as error:
             self.fail(str(error))
         self.ending.set()
         watch.stop()
-        rospy.signal_shutdown("the program ends")
 
     def _end_in_time(self) -> None:
-        """rospy calls the master without any time-out: one that hangs must not hold us when we are to end."""
+        """A master that hangs must not hold us when we are to end."""
         self.ending.wait()
         time.sleep(_END_WITHIN)
         os._exit(self._exit_code)

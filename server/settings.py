@@ -3,23 +3,27 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
+
+from sqlalchemy import URL, make_url
+from sqlalchemy.exc import ArgumentError
 
 from laser_bot_battle import variables
-from laser_bot_battle.settings import SettingsError
-from server.game.referee import Rules
+from laser_bot_battle.settings import SettingsError, Variable
+from server.game.rules import DECLARED, Rules
 from server.node import NodeSettings
+from server.operator_token import read_operator_token
 
-VARIABLES = (
+VARIABLES: tuple[Variable[Any], ...] = (
     variables.BIND,
     variables.WEB,
     variables.ROSBRIDGE,
     variables.VIEW,
-    variables.HIT_DAMAGE,
-    variables.COUNTDOWN,
-    variables.BATTLE_LIMIT,
-    variables.PLAYER_TIMEOUT,
+    *DECLARED.values(),
+    variables.OPERATOR_TOKEN,
+    variables.OPERATOR_TOKEN_FILE,
     variables.DATA,
+    variables.DATABASE,
     variables.ROSTER,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
@@ -35,24 +39,24 @@ class Settings:
     rosbridge_port: int
     view_port: int | None  # of an arena's view, on the host that serves the page; None: there is none to show
     data: Path
+    database: URL
     roster: Mapping[str, int]  # IDs that the operator fixed, by the robots' ROS names
     rules: Rules
+    operator_token: str  # empty: nobody is an operator
 
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:
         """Read `environ`. SettingsError for an impossible value."""
+        data = _expanded(variables.DATA.read(environ))
         return cls(
             node=NodeSettings.from_env(environ, variables.WEB),
             rosbridge_port=variables.ROSBRIDGE.read(environ),
             view_port=variables.VIEW.read(environ),
-            data=_expanded(variables.DATA.read(environ)),
+            data=data,
+            database=database_url(environ),
             roster=variables.ROSTER.read(environ),
-            rules=Rules(
-                hit_damage=variables.HIT_DAMAGE.read(environ),
-                countdown=variables.COUNTDOWN.read(environ),
-                battle_limit=variables.BATTLE_LIMIT.read(environ),
-                player_timeout=variables.PLAYER_TIMEOUT.read(environ),
-            ),
+            rules=Rules(**{name: variable.read(environ) for name, variable in DECLARED.items()}),
+            operator_token=read_operator_token(environ),
         )
 
 
@@ -61,3 +65,22 @@ def _expanded(folder: Path) -> Path:
         return folder.expanduser()
     except RuntimeError:
         raise SettingsError(f"LASERBOT_DATA={folder}: this user has no home folder: give a full path") from None
+
+
+def database_url(environ: Mapping[str, str]) -> URL:
+    """Where the database is. SettingsError for an impossible value."""
+    given = variables.DATABASE.read(environ)
+    if not given:
+        return URL.create("sqlite", database=str(_expanded(variables.DATA.read(environ)) / "laserbot.db"))
+    known = "postgresql://user:password@host/name or sqlite:////folder/file"
+    try:
+        url = make_url(given)
+    except ArgumentError:
+        raise SettingsError(f"LASERBOT_DATABASE is not {known}") from None
+    if url.drivername == "postgresql":
+        url = url.set(drivername="postgresql+pg8000")
+    if url.drivername not in ("sqlite", "postgresql+pg8000"):
+        raise SettingsError(f"LASERBOT_DATABASE begins with {url.drivername}: it must be {known}")
+    if url.drivername != "sqlite" and (others := url.query.keys() - {"unix_sock"}):
+        raise SettingsError(f"LASERBOT_DATABASE has the option {', '.join(sorted(others))}: only unix_sock is known")
+    return url

@@ -4,11 +4,13 @@ import logging
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from typing import Any
 
-from server.game.referee import Referee, Verdict
-from server.game.snapshot import Player, Snapshot
+from server.game.events import Recorded
+from server.game.referee import Referee, Verdict, Wish
+from server.game.snapshot import Player, Snapshot, Waiter
 
 _log = logging.getLogger(__name__)
 
@@ -17,6 +19,7 @@ _HEARTBEAT = 0.4  # s; listeners hear at least every 0.5 s, also on a busy machi
 _STALL = 1.0  # s
 
 Listener = Callable[[Snapshot], None]
+Recorder = Callable[[Sequence[Recorded], Mapping[str, Any]], None]
 
 
 class GameLoop:
@@ -34,12 +37,18 @@ class GameLoop:
         self._latest = referee.snapshot(self._looked_at)
         self._undelivered: deque[Snapshot] = deque(maxlen=100)
         self._listeners: list[Listener] = []
+        self._recorders: list[Recorder] = []
         self._stopping = False
         self._thread = threading.Thread(target=self._run, name="game loop", daemon=True)
 
     def add_listener(self, listener: Listener) -> None:
         """To be called before `start`."""
         self._listeners.append(listener)
+
+    def add_recorder(self, recorder: Recorder) -> None:
+        """To be called before `start`. It gets all that is decided, in order, with the state after it in JSON's types;
+        from the thread of the listeners, before them."""
+        self._recorders.append(recorder)
 
     def start(self) -> None:
         self._looked_at = self._clock()
@@ -55,23 +64,41 @@ class GameLoop:
 
     # events, see the referee
 
-    def add_robot(self, caller: str) -> int | None:
+    def add_robot(self, caller: str, *, key: str = "", address: str = "") -> int | None:
         with self._event() as now:
-            return self._referee.add_robot(caller, now)
+            return self._referee.add_robot(caller, now, key=key, address=address)
 
-    def robot_alive(self, robot_id: int) -> bool:
+    def robot_alive(self, robot_id: int, *, key: str = "", address: str = "") -> Verdict:
         with self._event() as now:
-            return self._referee.robot_alive(robot_id, now)
+            return self._referee.robot_alive(robot_id, now, key=key, address=address)
+
+    def robots_linked(self, linked: Collection[int]) -> None:
+        with self._event() as now:
+            self._referee.robots_linked(linked, now)
 
     def hit(self, robot_id: int) -> bool:
         with self._event() as now:
             return self._referee.hit(robot_id, now)
 
     def sign_up(
-        self, name: str, session: str, avatar: int, old_session: str | None = None, wanted: int | None = None
-    ) -> tuple[Verdict, Player | None]:
+        self,
+        name: str,
+        session: str,
+        avatar: int,
+        *,
+        old_session: str | None = None,
+        wanted: int | None = None,
+        wait: bool = False,
+        address: str = "",
+    ) -> tuple[Verdict, Player | Waiter | None]:
         with self._event() as now:
-            return self._referee.sign_up(name, session, avatar, now, old_session=old_session, wanted=wanted)
+            return self._referee.sign_up(
+                name, session, avatar, now, old_session=old_session, wanted=wanted, wait=wait, address=address
+            )
+
+    def take_offer(self, session: str) -> tuple[Verdict, Player | None]:
+        with self._event() as now:
+            return self._referee.take_offer(session, now)
 
     def sign_out(self, name: str, session: str) -> Verdict:
         with self._event() as now:
@@ -81,18 +108,25 @@ class GameLoop:
         with self._event() as now:
             return self._referee.set_ready(name, ready, session, now)
 
-    def seen(self, session: str) -> Player | None:
+    def seen(self, session: str) -> Player | Waiter | None:
         with self._event() as now:
             return self._referee.seen(session, now)
+
+    def operate(self, wish: Wish) -> None:
+        with self._event() as now:
+            self._referee.operate(wish, now)
+
+    def take_over(self, saved: Mapping[str, Any], known_robots: Mapping[str, int]) -> None:
+        with self._event() as now:
+            self._referee.take_over(saved, known_robots, now)
+
+    def overview(self) -> dict[str, Any]:
+        with self._changed:
+            return self._referee.overview(self._now())
 
     def snapshot(self) -> Snapshot:
         with self._changed:
             return self._take_snapshot(self._now())
-
-    def known_robots(self) -> dict[str, int]:
-        """The ID of every named robot that has ever registered."""
-        with self._changed:
-            return self._referee.known_robots
 
     @contextmanager
     def _event(self) -> Iterator[float]:
@@ -106,7 +140,7 @@ class GameLoop:
         now = self._clock()
         gap = now - self._looked_at
         if self._thread.is_alive() and gap > _HEARTBEAT + _STALL:
-            self._referee.extend_deadlines(gap)
+            self._referee.extend_deadlines(gap, now)
         self._looked_at = now
         return now
 
@@ -134,8 +168,11 @@ class GameLoop:
                 if not snapshots and now - told_at >= _HEARTBEAT:
                     snapshots = [self._latest]
                 journal = self._referee.take_journal()
-            for line in journal:
-                _log.info(line)
+                saved = self._referee.saved(now) if journal else {}
+            for recorded in journal:
+                _log.info("%s", recorded.event)
+            if journal:
+                self._record(journal, saved)
             for snapshot in snapshots:
                 self._tell(snapshot)
                 told_at = now
@@ -143,6 +180,13 @@ class GameLoop:
     def _seconds_until_next(self, heartbeat: float) -> float:
         deadline = self._referee.next_deadline()
         return max(0.0, min(heartbeat, deadline if deadline is not None else heartbeat) - self._clock())
+
+    def _record(self, journal: Sequence[Recorded], saved: Mapping[str, Any]) -> None:
+        for recorder in self._recorders:
+            try:
+                recorder(journal, saved)
+            except Exception:
+                _log.exception("a recorder of the game failed")
 
     def _tell(self, snapshot: Snapshot) -> None:
         for listener in self._listeners:

@@ -1,98 +1,117 @@
 """The rules of the battle, as a pure state machine: events and the time in, state out.
 
-It has no threads, no clock and no I/O. `now` is always monotonic seconds, never smaller than in an earlier call. Every
-event first applies the deadlines that have passed by then, in their order, so that the outcome does not depend on how
-often `tick` is called.
+It has no threads, no clock and no I/O. What it decides are events, and its state follows from them. `now` is always
+monotonic seconds, never smaller than in an earlier call. Every call first applies the deadlines that have passed by
+then, in their order, so that the outcome does not depend on how often `tick` is called.
 """
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from dataclasses import replace
 from enum import Enum, auto
 from functools import partial
 from operator import itemgetter
+from typing import Any
 
-from laser_bot_battle import variables
 from laser_bot_battle.names import Game
-from server.game.robot import Robot, Robots
-from server.game.snapshot import Placing, Player, Snapshot
-from server.game.users import User, Users
+from server.game import desk, events, seats
+from server.game.events import Event, Recorded
+from server.game.overview import overview
+from server.game.robot import Robot
+from server.game.rules import Rules
+from server.game.saved import save
+from server.game.snapshot import Player, Snapshot, Waiter
+from server.game.state import State
+from server.game.users import User, Waiting, contains_word, is_same_name
 
-
-@dataclass(frozen=True)
-class Rules:
-    """The numbers of the game; times in seconds."""
-
-    hit_damage: int = variables.HIT_DAMAGE.default
-    countdown: float = variables.COUNTDOWN.default
-    battle_limit: float = variables.BATTLE_LIMIT.default
-    player_timeout: float = variables.PLAYER_TIMEOUT.default  # a page that is silent for so long has gone
-    robot_timeout: float = 3.0  # within the 2 to 4 s of the manual's sweep
+FRESH = 0.1  # s that the seconds of seats and queue may be old
 
 
 class Verdict(Enum):
     """The referee's answer to a player's wish."""
 
     OK = auto()
+    QUEUED = auto()
+    NO_OFFER = auto()
+    ROBOT_AWAY = auto()  # it is silent, and may come back
     NAME_TAKEN = auto()
+    NAME_BANNED = auto()  # by an operator
+    NAME_UNWANTED = auto()  # contains a word of the operators' list
     NO_ROBOTS = auto()
     ROBOT_UNAVAILABLE = auto()  # the wanted one
+    UNKNOWN_ROBOT = auto()
     UNKNOWN_USER = auto()
-    NOT_YOURS = auto()  # the session is not that user's
+    NOT_YOURS = auto()  # the session is not that user's, or the key not that robot's
     STARTED = auto()  # not while a battle runs
+
+
+# What an operator wants to be decided, see server.game.desk
+Wish = Callable[[State, Rules], Iterable[Event]]
 
 
 class Referee:
     """The one place where the state of the game changes."""
 
-    def __init__(self, rules: Rules, known_robots: Mapping[str, int] | None = None) -> None:
-        self._rules = rules
-        self._robots = Robots(known_robots)
-        self._users = Users()
-        self._game = Game.STOPPED
-        self._ends_at = 0.0  # of the countdown or the battle
-        self._battle = 0
-        self._notice = ""
-        self._leavers: list[User] = []  # who was in the running battle and has gone
-        self._result: tuple[Placing, ...] = ()
-        self._journal: list[str] = []
+    def __init__(self, rules: Rules, state: State | None = None) -> None:
+        """`state` is that of an earlier program, with which the game goes on."""
+        self._configured = rules
+        self._state = state or State()
+        self._rules = replace(rules, **self._state.rules)
+        self._journal: list[Recorded] = []
+        # Most calls are signs of life, which decide nothing: for them, these spare the way through robots and players.
+        self._due = -math.inf  # no deadline passes before that
+        self._at = -math.inf  # time of the last deadline or call
+        self._latest: Snapshot | None = None  # as of some time since the last event
+        self._latest_at = -math.inf
 
     # robots
 
-    def add_robot(self, caller: str, now: float) -> int | None:
-        """A robot whose client has the ROS name `caller` registers; its ID, or None when there is none left."""
-        self.tick(now)
-        robot = self._robots.add_robot(caller, now)
-        if robot is None:
-            self._note("a robot was refused: all IDs are in use")
-            return None
-        self._note(f"robot {robot.id} registered by {robot.caller or 'an unnamed client'}")
-        return robot.id
+    def add_robot(self, caller: str, now: float, *, key: str = "", address: str = "") -> int | None:
+        """A robot whose client has the ROS name `caller` registers; its ID, or None when there is none left.
 
-    def robot_alive(self, robot_id: int, now: float) -> bool:
-        """A ping of a robot; False when it is not registered."""
+        `key` is the digest of what its pings will show, "" if they show nothing: then they must come from `address`.
+        """
         self.tick(now)
-        robot = self._robots.get_robot(robot_id)
+        robot_id, name = self._state.robots.id_for(caller)
+        if robot_id is None:
+            self._decide(events.RobotRefused(caller), now)
+            return None
+        self._decide(events.RobotCame(robot_id, name, key, address), now)
+        self._settle_seats(now)
+        return robot_id
+
+    def robot_alive(self, robot_id: int, now: float, *, key: str = "", address: str = "") -> Verdict:
+        """A ping of a robot, with what it shows: OK, UNKNOWN_ROBOT or NOT_YOURS."""
+        self.tick(now)
+        robot = self._state.robots.get_robot(robot_id)
         if robot is None:
-            return False
+            return Verdict.UNKNOWN_ROBOT
+        if not robot.is_ping(key, address):
+            return Verdict.NOT_YOURS
         robot.alive_at = now
-        return True
+        self._due = min(self._due, now + self._rules.robot_timeout)
+        return Verdict.OK
+
+    def robots_linked(self, linked: Collection[int], now: float) -> None:
+        """Of the registered robots, the serial nodes of these are on their topics now, and no others."""
+        self.tick(now)
+        for robot in self._state.robots:
+            if robot.linked != (robot.id in linked):
+                self._decide(events.RobotLinked(robot.id, not robot.linked, robot.caller), now)
+        self._settle_seats(now)
 
     def hit(self, robot_id: int, now: float) -> bool:
         """A robot's sensor was hit; whether it has cost its player life."""
         self.tick(now)
-        robot = self._robots.get_robot(robot_id)
-        user = self._users.get_user(robot.user) if robot and robot.user else None
-        if self._game is not Game.PLAYING or user is None or not user.is_fighting:
+        robot = self._state.robots.get_robot(robot_id)
+        user = self._state.users.get_user(robot.user) if robot and robot.user else None
+        if self._state.game is not Game.PLAYING or user is None or not user.is_fighting:
             return False
-        user.hit(self._rules.hit_damage, now)
-        self._note(f"{user.name} (robot {robot_id}) has been hit, life {user.life}")
+        if self._state.paused_at is not None or robot is None or not robot.can_be_hit(now):
+            return False
+        self._decide(events.Hit(user.name, robot_id, max(0, user.life - self._rules.hit_damage)), now)
         self._settle(now, f"{user.name} was shot down")
         return True
-
-    @property
-    def known_robots(self) -> dict[str, int]:
-        """The ID of every named robot that has ever registered."""
-        return self._robots.known
 
     # players
 
@@ -105,68 +124,113 @@ class Referee:
         *,
         old_session: str | None = None,
         wanted: int | None = None,
-    ) -> tuple[Verdict, Player | None]:
+        wait: bool = False,
+        address: str = "",
+    ) -> tuple[Verdict, Player | Waiter | None]:
         """Claim the name and a robot together: the one with the ID `wanted`, or the lowest that is free.
 
-        OK and the player; or NAME_TAKEN, NO_ROBOTS, ROBOT_UNAVAILABLE. A user who signs up again with the session that
-        the page has already (`old_session`) keeps everything; with another name, the old one is signed out, since the
-        page forgets its session.
+        OK and the player. Without such a robot, or while others wait: with `wait` QUEUED and who waits now, else
+        NO_ROBOTS or ROBOT_UNAVAILABLE. NAME_TAKEN, NAME_BANNED and NAME_UNWANTED go before both. Who signs up again
+        with the session that the page has already (`old_session`) keeps everything; with another name, the old one is
+        signed out, since the page forgets its session. `address` stands for the page's.
         """
         self.tick(now)
-        user = self._users.get_user(name)
-        if user is not None:
-            if user.session != old_session:
+        known = self._named(name)
+        if known is not None:
+            if known.session != old_session:
                 return Verdict.NAME_TAKEN, None
-            return Verdict.OK, _player(user)
-        robot = self._robots.get_available_robot(wanted)
-        if robot is None:
+            return (Verdict.OK if isinstance(known, User) else Verdict.QUEUED), self._public(known, now)
+        if any(is_same_name(name, banned) for banned in self._state.banned):
+            return Verdict.NAME_BANNED, None
+        if any(contains_word(name, word) for word in self._state.words):
+            return Verdict.NAME_UNWANTED, None
+        free = [] if self._state.queue else seats.free_robots(self._state, self._rules)
+        robot = next((robot for robot in free if wanted in (None, robot.id)), None)
+        if robot is None and not (wait and seats.has_room(self._state, address)):
             return (Verdict.NO_ROBOTS if wanted is None else Verdict.ROBOT_UNAVAILABLE), None
-        user = User(name, robot.id, session, avatar, seen=now)
-        self._users.add_user(user)
-        robot.user = name
-        self._note(f"{name} signed up and drives robot {robot.id}")
-        old_user = self._users.get_session_user(old_session) if old_session else None
-        if old_user is not None:
-            self._remove_user(old_user, f"signed up again as {name}", now)
-        return Verdict.OK, _player(user)
+        if robot is None:
+            self._decide(events.Queued(name, session, avatar, address), now)
+        else:
+            self._decide(events.SignedUp(name, robot.id, session, avatar, address), now)
+        old = self._of_session(old_session) if old_session else None
+        if old is not None:
+            self._remove(old.name, f"signed up again as {name}", now)
+        self._settle_seats(now)
+        claimed = self._named(name)
+        assert claimed is not None
+        return (Verdict.OK if isinstance(claimed, User) else Verdict.QUEUED), self._public(claimed, now)
+
+    def take_offer(self, session: str, now: float) -> tuple[Verdict, Player | None]:
+        """Take the robot that is offered: OK and the player, or NO_OFFER, UNKNOWN_USER."""
+        self.tick(now)
+        known = self._of_session(session)
+        if known is None:
+            return Verdict.UNKNOWN_USER, None
+        if isinstance(known, Waiting):
+            if known.offer is None:
+                return Verdict.NO_OFFER, None
+            self._decide(events.Seated(known.name), now)
+        return Verdict.OK, self._player(self._state.users.user(known.name), now)
 
     def sign_out(self, name: str, session: str, now: float) -> Verdict:
-        """OK, UNKNOWN_USER or NOT_YOURS. Allowed at any time."""
+        """OK, UNKNOWN_USER or NOT_YOURS. Allowed at any time, and to who waits."""
         self.tick(now)
-        user = self._users.get_user(name)
-        if user is None:
+        known = self._named(name)
+        if known is None:
             return Verdict.UNKNOWN_USER
-        if user.session != session:
+        if known.session != session:
             return Verdict.NOT_YOURS
-        self._remove_user(user, "signed out", now)
+        self._remove(known.name, "signed out", now)
         return Verdict.OK
 
     def set_ready(self, name: str, ready: bool, session: str, now: float) -> Verdict:
-        """OK, STARTED, UNKNOWN_USER or NOT_YOURS. To say the same again changes nothing."""
+        """OK, STARTED, UNKNOWN_USER, NOT_YOURS or ROBOT_AWAY. To say the same again changes nothing."""
         self.tick(now)
-        if self._game is Game.PLAYING:
+        if self._state.game is Game.PLAYING:
             return Verdict.STARTED
-        user = self._users.get_user(name)
-        if user is None:
+        user = self._named(name)
+        if not isinstance(user, User):
             return Verdict.UNKNOWN_USER
         if user.session != session:
             return Verdict.NOT_YOURS
+        if ready and user.robot_gone_at is not None:
+            return Verdict.ROBOT_AWAY
         if user.ready != ready:
-            user.ready = ready
-            if ready and self._game is Game.COUNTDOWN:
-                user.revive()
-            self._note(f"{name} is {'ready' if ready else 'no longer ready'}")
-            self._settle(now, f"{name} is no longer ready")
+            self._decide(events.ReadyChanged(user.name, ready), now)
+            self._settle(now, f"{user.name} is no longer ready")
         return Verdict.OK
 
-    def seen(self, session: str, now: float) -> Player | None:
-        """A sign of life of the page with that session; its player, None if there is none."""
+    def seen(self, session: str, now: float) -> Player | Waiter | None:
+        """A sign of life of the page with that session; its player, or who waits on it; None if there is none."""
         self.tick(now)
-        user = self._users.get_session_user(session)
-        if user is None:
+        known = self._of_session(session)
+        if known is None:
             return None
-        user.seen = now
-        return _player(user)
+        known.seen = now
+        self._due = min(self._due, now + self._rules.player_timeout, now + self._rules.seat_timeout)
+        return self._public(known, now)
+
+    # operators
+
+    def operate(self, wish: Wish, now: float) -> None:
+        """Decide what an operator wants, all of it or, if it is refused, nothing."""
+        self.tick(now)
+        for event in tuple(wish(self._state, self._rules)):
+            if isinstance(event, events.Left | events.Unseated):
+                self._leave(event, now)
+            else:
+                self._decide(event, now)
+        self._settle_seats(now)
+
+    def take_over(self, saved: Mapping[str, Any], known_robots: Mapping[str, int], now: float) -> None:
+        """What operators had decided in an earlier program (its `saved` state), and the IDs that robots had, come to
+        light late: they hold again, unless something newer has been decided."""
+        self._state.robots.remember(known_robots)
+        self.operate(partial(desk.take_over, saved=saved), now)
+
+    def overview(self, now: float) -> dict[str, Any]:
+        """What operators see."""
+        return overview(self._state, self._rules, self._configured, self.snapshot(now), now)
 
     # time
 
@@ -175,129 +239,137 @@ class Referee:
         return min((at for at, _ in self._deadlines()), default=None)
 
     def tick(self, now: float) -> None:
-        """Apply every deadline that has passed, each at its own time."""
-        while (due := min(self._deadlines(), key=itemgetter(0), default=None)) and due[0] <= now:
-            at, act = due
-            act(at)
+        """Apply every deadline that has passed, each at its own time; one that has come up too late, at once."""
+        while self._due <= now:
+            at, act = min(self._deadlines(), key=itemgetter(0), default=(math.inf, None))
+            if act is None or at > now:
+                self._due = at
+            else:
+                self._at = max(self._at, at)
+                act(self._at)
+        self._at = max(self._at, now)
 
     def _deadlines(self) -> Iterator[tuple[float, Callable[[float], None]]]:
-        if self._game is Game.COUNTDOWN:
-            yield self._ends_at, self._start_battle
-        elif self._game is Game.PLAYING:
-            yield self._ends_at, partial(self._end_battle, cause="the time limit is reached")
-        for robot in self._robots:
-            yield robot.alive_at + self._rules.robot_timeout, partial(self._remove_robot, robot)
-        for user in self._users:
-            yield user.seen + self._rules.player_timeout, partial(self._remove_user, user, "left the page")
+        state = self._state
+        if state.paused_at is not None:
+            pass  # the clock stands
+        elif state.game is Game.COUNTDOWN:
+            yield state.ends_at, self._start_battle
+        elif state.game is Game.PLAYING:
+            yield state.ends_at, partial(self._end_battle, cause="the time limit is reached")
+        for robot in state.robots:
+            yield robot.alive_at + self._rules.robot_timeout, partial(self._lose_robot, robot)
+        for at, event in seats.deadlines(state, self._rules):
+            yield at, partial(self._leave, event)
 
-    def extend_deadlines(self, gap: float) -> None:
+    def extend_deadlines(self, gap: float, now: float) -> None:
         """This program itself stood still for `gap` s: nobody's silence of that time counts."""
-        for robot in self._robots:
-            robot.alive_at += gap
-        for user in self._users:
-            user.seen += gap
-        self._note(f"the server stood still for {gap:.1f} s: robots and pages get that much more time")
+        self._decide(events.StoodStill(gap), now)
 
     # what outsiders may know
 
     def snapshot(self, now: float) -> Snapshot:
         self.tick(now)
+        state = self._state
+        if self._latest is None or (state.queue and now >= self._latest_at + FRESH):
+            self._latest, self._latest_at = self._new_snapshot(now), now
+        else:  # while nobody waits, no seat ends: time passes for the clock only
+            self._latest = replace(self._latest, time_left=state.time_left(now))
+        return self._latest
+
+    def _new_snapshot(self, now: float) -> Snapshot:
+        state = self._state
         return Snapshot(
-            game=self._game,
-            time_left=0.0 if self._game is Game.STOPPED else max(0.0, self._ends_at - now),
-            battle=self._battle,
-            notice=self._notice,
-            available_robots=self._robots.get_available_robots_n(),
-            robots=tuple(robot.id for robot in self._robots),
-            players=tuple(_player(user) for user in self._users),
-            result=self._result,
+            game=state.game,
+            time_left=state.time_left(now),
+            battle=state.battle,
+            notice=state.notice,
+            paused=state.paused_at is not None,
+            message=state.message,
+            free_robots=tuple(robot.id for robot in seats.free_robots(state, self._rules)),
+            robots=tuple(robot.id for robot in state.robots),
+            players=tuple(self._player(user, now) for user in state.users),
+            queue=tuple(self._waiter(waiting, place, now) for place, waiting in enumerate(state.queue, 1)),
+            practice=self._rules.practice,
+            result=state.result,
         )
 
-    def take_journal(self) -> list[str]:
-        """What has happened since the last call, one line each, for the log."""
+    def saved(self, now: float) -> dict[str, Any]:
+        """The state in JSON's types, for `restored` in another program."""
+        return save(self._state, now)
+
+    def take_journal(self) -> list[Recorded]:
+        """What was decided since the last call."""
         journal, self._journal = self._journal, []
         return journal
 
-    # transitions
+    # decisions
 
     def _settle(self, now: float, cause: str) -> None:
         """Follow a change of who is ready or alive; `cause` is what to tell people if something ends by it."""
-        ready = self._users.get_users_ready()
-        if self._game is Game.STOPPED and len(ready) >= 2:
-            self._start_countdown(ready, now)
-        elif self._game is Game.COUNTDOWN and len(ready) < 2:
-            self._game = Game.STOPPED
-            self._notice = f"Countdown stopped: {cause}, fewer than two players are ready."
-            self._note(self._notice)
-        elif self._game is Game.PLAYING:
-            self._users.users_sort()  # stays so after the battle: old pages read the winner from the list
-            if len(self._users.get_users_alive()) < 2:
-                self._end_battle(now, cause)
-
-    def _start_countdown(self, ready: list[User], now: float) -> None:
-        for user in ready:
-            user.revive()
-        self._game = Game.COUNTDOWN
-        self._ends_at = now + self._rules.countdown
-        self._notice = ""
-        self._result = ()
-        self._note(f"countdown started: {self._rules.countdown:g} s")
+        users = self._state.users
+        ready = users.get_users_ready()
+        if self._state.game is Game.STOPPED and len(ready) >= 2:
+            self._decide(events.CountdownStarted(self._rules.countdown), now)
+        elif self._state.game is Game.COUNTDOWN and len(ready) < 2:
+            self._decide(events.CountdownStopped(cause), now)
+        elif self._state.game is Game.PLAYING and len(users.get_users_alive()) < 2:
+            self._end_battle(now, cause)
 
     def _start_battle(self, now: float) -> None:
-        self._game = Game.PLAYING
-        self._ends_at = now + self._rules.battle_limit
-        self._battle += 1
-        self._users.users_sort()
-        names = ", ".join(user.name for user in self._users.get_users_ready())
-        self._note(f"battle {self._battle} started: {names}")
+        self._decide(self._state.next_battle(self._rules.battle_limit), now)
 
     def _end_battle(self, now: float, cause: str) -> None:
-        self._result = _ranking([*self._users.get_users_ready(), *self._leavers])
-        self._leavers = []
-        self._users.clear_users_ready()
-        self._game = Game.STOPPED
-        self._notice = f"Battle over: {cause}."
-        ranking = ", ".join(f"{placing.place} {placing.name}" for placing in self._result)
-        self._note(f"battle {self._battle} over: {cause}; ranking: {ranking}")
+        self._decide(events.BattleEnded(self._state.battle, cause, self._state.ranking()), now)
+        self._settle_seats(now)
 
-    def _remove_robot(self, robot: Robot, now: float) -> None:
-        self._robots.del_robot(robot)
-        self._note(f"robot {robot.id} is gone")
-        user = self._users.get_user(robot.user) if robot.user else None
-        if user is not None:
-            self._remove_user(user, "lost the robot", now)
+    def _lose_robot(self, robot: Robot, now: float) -> None:
+        self._decide(events.RobotGone(robot.id), now)
+        self._settle(now, f"{robot.user} lost the robot")
+        self._settle_seats(now)
 
-    def _remove_user(self, user: User, how: str, now: float) -> None:
-        self._users.del_user(user)
-        robot = self._robots.get_robot(user.robot)
-        if robot is not None and robot.user == user.name:
-            robot.user = None
-        if self._game is Game.PLAYING and user.ready:
-            user.left_at = now
-            self._leavers.append(user)
-        self._note(f"{user.name} {how}")
-        self._settle(now, f"{user.name} {how}")
+    def _remove(self, name: str, how: str, now: float) -> None:
+        self._leave(events.Left(name, how), now)
 
-    def _note(self, text: str) -> None:
-        self._journal.append(text)
+    def _leave(self, event: events.Left | events.Unseated, now: float) -> None:
+        self._decide(event, now)
+        self._settle(now, f"{event.name} {event.how}")
+        self._settle_seats(now)
 
+    def _settle_seats(self, now: float) -> None:
+        """Give robots that nobody has to who waits."""
+        while event := seats.next_event(self._state, self._rules):
+            self._decide(event, now)
 
-def _player(user: User) -> Player:
-    return Player(user.name, user.robot, user.life, user.ready, user.avatar, user.session)
+    def _decide(self, event: Event, now: float) -> None:
+        self._state.apply(event, now)
+        if isinstance(event, events.RulesChanged):
+            self._rules = replace(self._configured, **self._state.rules)
+        self._due, self._latest = -math.inf, None
+        self._journal.append(Recorded(now, event))
 
+    def _named(self, name: str) -> User | Waiting | None:
+        everybody = [*self._state.users, *self._state.queue]
+        return next((one for one in everybody if is_same_name(one.name, name)), None)
 
-def _ranking(fighters: list[User]) -> tuple[Placing, ...]:
-    """Best first; who stands equal shares the place, and the places after it stay empty."""
-    ranked = sorted(fighters, key=lambda user: user.standing)
-    standings = [user.standing for user in ranked]
-    return tuple(
-        Placing(
-            name=user.name,
-            robot=user.robot,
-            life=user.life,
-            avatar=user.avatar,
-            place=standings.index(user.standing) + 1,
-            left=user.left_at is not None,
+    def _of_session(self, session: str) -> User | Waiting | None:
+        everybody = [*self._state.users, *self._state.queue]
+        return next((one for one in everybody if one.session == session), None)
+
+    def _public(self, known: User | Waiting, now: float) -> Player | Waiter:
+        if isinstance(known, User):
+            return self._player(known, now)
+        return self._waiter(known, self._state.queue.index(known) + 1, now)
+
+    def _player(self, user: User, now: float) -> Player:
+        ends = seats.seat_ends(user, self._state, self._rules)
+        seat_left = 0.0 if ends is None else max(0.1, ends - now)
+        return Player(user.name, user.robot, user.life, user.ready, user.avatar, user.session, seat_left)
+
+    def _waiter(self, waiting: Waiting, place: int, now: float) -> Waiter:
+        seconds = (
+            seats.estimate(place, self._state, self._rules)
+            if waiting.offer is None
+            else max(0.0, waiting.offer_ends - now)
         )
-        for user in ranked
-    )
+        return Waiter(waiting.name, waiting.avatar, waiting.session, place, waiting.offer, seconds)

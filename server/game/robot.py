@@ -1,14 +1,19 @@
 """The registered robots (manual 3.1.5): a plain registry without locks, owned by the referee."""
 
+import hmac
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from laser_bot_battle.names import ROBOT_IDS
+from laser_bot_battle.names import ROBOT_IDS, key_digest
 
 _ROS_NAME = re.compile(r"/[A-Za-z][A-Za-z0-9_/]{0,254}")
 # what ROS calls nodes that gave no name: rospy without init_node, and anonymous nodes (name_pid_milliseconds)
 _NAMELESS = re.compile(r"/unnamed|.*_\d+_\d{13}")
+
+# s; a robot cannot report hits faster: MIN_HIT_INTERVAL_MS of firmware/laserbot/src/ir/hit_detector.h
+HIT_INTERVAL = 0.1
+_JITTER = 0.05  # s that the network may take longer for one hit than for the next
 
 
 @dataclass
@@ -19,6 +24,29 @@ class Robot:
     caller: str | None
     alive_at: float  # monotonic seconds of the last registration or ping
     user: str | None = None
+    in_service: bool = True
+    key: str = ""  # SHA-256 (hex) of what its pings show; "" if it has none, as original robots
+    address: str = ""  # from which it registered, "" if that is not known
+    linked: bool = False  # its serial node is on the topics: it can be driven and hit
+    next_hit: float = 0.0  # when the next hit is due at the earliest
+
+    @property
+    def is_free(self) -> bool:
+        """Whether it can be given to a player."""
+        return self.user is None and self.in_service and self.linked
+
+    def is_ping(self, key: str, address: str) -> bool:
+        """Whether a ping that shows `key` and comes from `address` is this robot's."""
+        if self.key:
+            return hmac.compare_digest(key_digest(key), self.key)
+        return self.address in ("", address)
+
+    def can_be_hit(self, now: float) -> bool:
+        """Whether a hit that is reported now can be one."""
+        return now >= self.next_hit - _JITTER
+
+    def note_hit(self, now: float) -> None:
+        self.next_hit = max(self.next_hit, now) + HIT_INTERVAL
 
 
 class Robots:
@@ -27,6 +55,7 @@ class Robots:
     def __init__(self, known: Mapping[str, int] | None = None) -> None:
         self._robots: dict[int, Robot] = {}
         self._known = dict(known or {})
+        self._out: set[int] = set()
 
     def __iter__(self) -> Iterator[Robot]:
         """The robots in the order of their IDs."""
@@ -34,39 +63,67 @@ class Robots:
 
     @property
     def known(self) -> dict[str, int]:
-        """The ID of every named robot that has ever registered."""
+        """The ID of every named robot that has ever been on its topics."""
         return dict(self._known)
+
+    def remember(self, known: Mapping[str, int]) -> None:
+        """The IDs that robots had in an earlier program, unless they have others now."""
+        taken = set(self._known.values()) | self._robots.keys()
+        self._known |= {name: robot for name, robot in known.items() if name not in self._known and robot not in taken}
+
+    @property
+    def out_of_service(self) -> frozenset[int]:
+        """IDs, also of robots that are not here now."""
+        return frozenset(self._out)
 
     def get_robot(self, robot_id: int) -> Robot | None:
         return self._robots.get(robot_id)
 
-    def add_robot(self, caller: str, now: float) -> Robot | None:
-        """Register the robot whose client has the ROS name `caller`; None when all IDs are in use.
+    def id_for(self, caller: str) -> tuple[int | None, str | None]:
+        """The ID for the robot whose client has the ROS name `caller`, None when there is none left; and that name,
+        None if it will not last.
 
-        A named robot that is still listed keeps its ID and its player, one that was here before gets its ID back.
+        A named robot that is still listed keeps its ID and its player, one that was here before gets its ID back. That
+        ID is not for others while it is away.
         """
         lasting = _ROS_NAME.fullmatch(caller) and not _NAMELESS.fullmatch(caller)
         name = caller if lasting else None
-        robot_id = self._get_available_id(name)
-        if robot_id is None:
-            return None
-        robot = self._robots.setdefault(robot_id, Robot(robot_id, name, now))
-        robot.alive_at = now
-        if self._known.get(name or "") != robot_id:
+        return self._get_available_id(name), name
+
+    def put(self, robot_id: int, name: str | None, now: float, key: str = "", address: str = "") -> None:
+        """List the robot, or note that it has come back. `key` is the digest."""
+        robot = self._robots.setdefault(robot_id, Robot(robot_id, name, now, in_service=robot_id not in self._out))
+        robot.alive_at, robot.key, robot.address = now, key, address
+
+    def link(self, robot_id: int, linked: bool) -> None:
+        """The robot's serial node is on the topics, or is not. It is remembered from then on: a name alone is not a
+        robot, and costs nothing."""
+        robot = self._robots[robot_id]
+        robot.linked = linked
+        if linked and self._known.get(robot.caller or "") != robot_id:
             self._known = {known: kept for known, kept in self._known.items() if kept != robot_id}
-            if name:
-                self._known[name] = robot_id
-        return robot
+            if robot.caller:
+                self._known[robot.caller] = robot_id
 
-    def del_robot(self, robot: Robot) -> None:
-        del self._robots[robot.id]
+    def note_hit(self, robot_id: int, now: float) -> None:
+        self._robots[robot_id].note_hit(now)
 
-    def get_available_robot(self, wanted: int | None = None) -> Robot | None:
-        """The robot with the ID `wanted`, or with the lowest ID, that nobody drives; None if there is none."""
-        return next((robot for robot in self if robot.user is None and wanted in (None, robot.id)), None)
+    def set_service(self, robot_id: int, in_service: bool) -> None:
+        """It holds for the ID, whether its robot is here or not."""
+        if in_service:
+            self._out.discard(robot_id)
+        else:
+            self._out.add(robot_id)
+        robot = self._robots.get(robot_id)
+        if robot is not None:
+            robot.in_service = in_service
 
-    def get_available_robots_n(self) -> int:
-        return sum(robot.user is None for robot in self._robots.values())
+    def del_robot(self, robot_id: int) -> None:
+        del self._robots[robot_id]
+
+    def get_available_robots(self) -> list[Robot]:
+        """The robots that are free, in the order of their IDs."""
+        return [robot for robot in self if robot.is_free]
 
     def _get_available_id(self, name: str | None) -> int | None:
         if name is not None:
@@ -76,7 +133,5 @@ class Robots:
             kept = self._known.get(name)
             if kept is not None and kept not in self._robots:
                 return kept
-        free = [robot_id for robot_id in ROBOT_IDS if robot_id not in self._robots]
-        reserved = set(self._known.values())
-        # an ID kept for an absent robot is given away only when there is no other
-        return next((robot_id for robot_id in free if robot_id not in reserved), free[0] if free else None)
+        taken = {*self._robots, *self._known.values()}
+        return next((robot_id for robot_id in ROBOT_IDS if robot_id not in taken), None)

@@ -15,6 +15,19 @@ class Player:
     ready: bool
     avatar: int
     session: str
+    seat_left: float = field(default=0.0, compare=False)  # s until the seat passes on to others; 0: it stays
+
+
+@dataclass(frozen=True, slots=True)
+class Waiter:
+    """Who waits for a robot; place 1 is the next."""
+
+    name: str
+    avatar: int
+    session: str
+    place: int
+    offer: int | None  # the robot that this one may take now
+    seconds: float = field(compare=False)  # to take it; without an offer, until there may be one
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +50,15 @@ class Snapshot:
     time_left: float = field(compare=False)  # s to the battle (COUNTDOWN) or to its time limit (PLAYING), else 0
     battle: int  # battles begun so far
     notice: str  # why the last countdown or battle ended; empty while one runs
-    available_robots: int
+    paused: bool  # by an operator: the time left stands
+    message: str  # of an operator to everybody; empty: none
+    free_robots: tuple[int, ...]  # IDs of those that would be given to who comes
     robots: tuple[int, ...]  # IDs of the registered robots
     players: tuple[Player, ...]  # in ranking order
+    queue: tuple[Waiter, ...]  # the next one first
+    practice: bool  # whether players may drive without a battle
     result: tuple[Placing, ...]  # of the last battle, best first; empty from the next countdown on
+
+    @property
+    def available_robots(self) -> int:
+        return len(self.free_robots)

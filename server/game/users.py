@@ -1,18 +1,49 @@
-"""The signed-in players (manual 3.1.4): a plain registry without locks, owned by the referee."""
+"""The signed-in players (manual 3.1.4) and who waits to be one: plain data without locks, owned by the referee."""
 
 import re
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass
 
 FULL_LIFE = 100
 AVATARS = 5
 
-_NAME = re.compile(r"[A-Za-z0-9_]{1,16}")
+MAX_NAME = 16  # characters
+
+# who these names belong to is not for players to say
+_RESERVED = {"operator", "admin", "referee", "server", "master", "laserbot", "everybody", "nobody"}
+_ROBOT = re.compile(r"robot[0-9]+")
+
+# letters and marks of which nothing is to be seen (Unicode's Default_Ignorable_Code_Point): two names would look alike
+_UNSEEN = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]")
 
 
 def is_valid_name(name: str) -> bool:
-    """Whether `name` is 1 to 16 of ASCII letters, digits and `_`: safe on any page and in any log."""
-    return _NAME.fullmatch(name) is not None
+    """Whether `name` is 1 to 16 letters, digits (of any script, in NFC) and `_`: safe on any page and in any log."""
+    allowed = all(char == "_" or unicodedata.category(char)[0] in "LMN" for char in name)
+    starts = name[:1] == "_" or unicodedata.category(name[:1] or " ")[0] in "LN"
+    seen = allowed and starts and not _UNSEEN.search(name)
+    return 0 < len(name) <= MAX_NAME and seen and unicodedata.is_normalized("NFC", name)
+
+
+def is_reserved_name(name: str) -> bool:
+    """Whether it could be taken for a part of the game, or for who runs it."""
+    folded = _folded(name)
+    return folded in _RESERVED or _ROBOT.fullmatch(folded) is not None
+
+
+def contains_word(name: str, word: str) -> bool:
+    """Whether `name` contains `word`, without regard to case and to forms of a letter."""
+    return _folded(word) in _folded(name)
+
+
+def is_same_name(one: str, other: str) -> bool:
+    """Whether people would take them for the same: without regard to case and to forms of a letter."""
+    return _folded(one) == _folded(other)
+
+
+def _folded(name: str) -> str:
+    return unicodedata.normalize("NFKC", unicodedata.normalize("NFKC", name).casefold())
 
 
 @dataclass
@@ -28,6 +59,11 @@ class User:
     ready: bool = False
     died_at: float | None = None  # in the present battle
     left_at: float | None = None
+    idle_since: float = 0.0  # when the player would have begun to be not ready, had it been at one stretch
+    ready_since: float = 0.0
+    robot_gone_at: float | None = None  # when the robot fell silent; None while it is there
+    battles: int = 0  # since the player has this seat
+    address: str = ""  # a mark of the page's, "" if it is not known
 
     @property
     def is_fighting(self) -> bool:
@@ -54,11 +90,26 @@ class User:
         self.life = FULL_LIFE
         self.died_at = None
 
-    def hit(self, damage: int, now: float) -> None:
-        """Lower the life, never below 0."""
-        self.life = max(0, self.life - damage)
-        if self.life == 0:
+    def wound(self, life: int, now: float) -> None:
+        """After a hit, `life` is left."""
+        self.life = life
+        if life == 0:
             self.died_at = now
+
+
+@dataclass
+class Waiting:
+    """Who has signed up and waits for a robot. All times are monotonic seconds."""
+
+    name: str
+    session: str
+    avatar: int
+    seen: float  # last sign of life of the page
+    offer: int | None = None  # the robot that is kept for this one
+    offer_ends: float = 0.0
+    passed_on: bool = False  # has given up a seat since the last battle: for this one nobody else does
+    first: bool = False  # has lost a seat by nobody's fault: only others of that kind stand before
+    address: str = ""
 
 
 class Users:
@@ -72,6 +123,13 @@ class Users:
 
     def get_user(self, name: str) -> User | None:
         return next((user for user in self._users if user.name == name), None)
+
+    def user(self, name: str) -> User:
+        """KeyError when there is none."""
+        found = self.get_user(name)
+        if found is None:
+            raise KeyError(f"no user {name}")
+        return found
 
     def get_session_user(self, session: str) -> User | None:
         return next((user for user in self._users if user.session == session), None)
@@ -90,10 +148,6 @@ class Users:
 
     def get_users_alive(self) -> list[User]:
         return [user for user in self._users if user.is_fighting]
-
-    def clear_users_ready(self) -> None:
-        for user in self._users:
-            user.ready = False
 
     def users_sort(self) -> None:
         """Put the users in ranking order; equals keep their order."""

@@ -24,7 +24,11 @@ def to_message(snapshot: Snapshot) -> GameStatus:
         time_left=snapshot.time_left,
         battle=snapshot.battle,
         notice=snapshot.notice,
+        paused=snapshot.paused,
+        message=snapshot.message,
         available_robots=snapshot.available_robots,
+        practice=snapshot.practice,
+        queue=[waiter.name for waiter in snapshot.queue],
         users=[
             UserStatus(
                 name=player.name,
@@ -33,6 +37,7 @@ def to_message(snapshot: Snapshot) -> GameStatus:
                 ready=player.ready,
                 avatar=player.avatar,
                 session=player.session,
+                seat_left=player.seat_left,
             )
             for player in snapshot.players
         ],

@@ -11,6 +11,8 @@ import threading
 
 from rospy.impl.tcpros_base import init_tcpros_server
 
+PEER = "laserbot_peer"  # a field of the connection headers that `name_peers` adds: the peer's address
+
 
 def guard_handshakes(timeout: float = 5.0) -> None:
     """Greet every peer in a thread of its own, for at most `timeout` seconds. Call it once, before `init_node`."""
@@ -30,6 +32,20 @@ def guard_handshakes(timeout: float = 5.0) -> None:
         threading.Thread(target=greet_in_time, args=(peer, address), daemon=True).start()
 
     server._tcp_server_callback = accept
+
+
+def name_peers() -> None:
+    """Let the handlers of services know who calls: their requests' connection headers get `PEER`, whatever the caller
+    says there. Call it once, after `init_node`."""
+    server = init_tcpros_server()
+    handle = server.service_connection_handler
+
+    def handle_named(peer: socket.socket, address: tuple[str, int], header: dict[str, str]) -> str | None:
+        header[PEER] = address[0]
+        answer: str | None = handle(peer, address, header)
+        return answer
+
+    server.service_connection_handler = handle_named
 
 
 def _cut(peer: socket.socket) -> None:

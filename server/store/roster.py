@@ -1,12 +1,7 @@
-"""Which named robot has which ID: fixed by the operator (LASERBOT_ROSTER), or kept over restarts in robots.json.
-
-The file is one JSON object, `{"/id_service_client_<robot's name>": ID}` with IDs 0 to 127.
-"""
+"""Which named robot has which ID: fixed by the operator (LASERBOT_ROSTER), else as the database has kept it."""
 
 import json
 import logging
-import os
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -16,55 +11,18 @@ _log = logging.getLogger(__name__)
 
 
 class Roster:
-    """The file in `folder`, which is made when it is missing. What is `fixed` (IDs by ROS names) goes before it."""
+    """The IDs that are `fixed`, by ROS names."""
 
-    def __init__(self, folder: Path, fixed: Mapping[str, int] | None = None) -> None:
-        self.path = folder / "robots.json"
-        self._fixed = dict(fixed or {})
+    def __init__(self, fixed: Mapping[str, int]) -> None:
+        self._fixed = dict(fixed)
         self._warned_of: set[str] = set()
 
-    def load(self) -> dict[str, int]:
-        """The IDs by the robots' ROS names. A broken file is kept beside as robots.json.broken."""
+    def with_fixed(self, kept: Mapping[str, int]) -> dict[str, int]:
+        """The IDs by ROS names: what is fixed goes before what was `kept`."""
         taken = set(self._fixed.values())
         return self._fixed | {
-            name: robot_id
-            for name, robot_id in self._load_file().items()
-            if name not in self._fixed and robot_id not in taken
+            name: robot_id for name, robot_id in kept.items() if name not in self._fixed and robot_id not in taken
         }
-
-    def _load_file(self) -> dict[str, int]:
-        try:
-            return _parse(self.path.read_text(encoding="utf-8"))
-        except FileNotFoundError:
-            return {}
-        except OSError as error:
-            _log.error("cannot read %s (%s): robots get new IDs", self.path, error)
-            return {}
-        except (ValueError, RecursionError) as error:
-            broken = self.path.with_suffix(".json.broken")
-            _log.error("%s is broken (%s): kept as %s, robots get new IDs", self.path, error, broken.name)
-            try:
-                self.path.replace(broken)
-            except OSError as failure:
-                _log.error("cannot rename it to %s: %s", broken, failure)
-            return {}
-
-    def save(self, ids: dict[str, int]) -> None:
-        """Replace the file as a whole, so that a power cut leaves the old or the new one. A failure is logged."""
-        temporary = ""
-        try:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            descriptor, temporary = tempfile.mkstemp(dir=self.path.parent, prefix="robots.", suffix=".tmp")
-            with os.fdopen(descriptor, "w", encoding="utf-8") as file:
-                json.dump(ids, file, indent=2, sort_keys=True)
-                file.write("\n")
-                file.flush()
-                os.fsync(file.fileno())
-            os.replace(temporary, self.path)
-        except OSError as error:
-            _log.error("cannot write %s (%s): robots may get other IDs after a restart", self.path, error)
-            if temporary:
-                Path(temporary).unlink(missing_ok=True)
 
     def warn_of_lookalike(self, caller: str) -> None:
         """Warn, once, of a robot that seems to be a fixed one under its default name: host name, `_`, MAC address."""
@@ -80,6 +38,31 @@ class Roster:
                 fixed,
                 fixed,
             )
+
+
+def take_over_file(folder: Path) -> dict[str, int]:
+    """The IDs in robots.json, where versions before 1.1 kept them: one JSON object, `{"/name": ID}`.
+
+    The file is then renamed: to robots.json.imported, or to robots.json.broken if it is.
+    """
+    path = folder / "robots.json"
+    ids: dict[str, int] = {}
+    kept = path.with_suffix(".json.imported")
+    try:
+        ids = _parse(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except OSError as error:
+        _log.error("cannot read %s (%s): robots get new IDs", path, error)
+        return {}
+    except (ValueError, RecursionError) as error:
+        kept = path.with_suffix(".json.broken")
+        _log.error("%s is broken (%s): kept as %s, robots get new IDs", path, error, kept.name)
+    try:
+        path.replace(kept)
+    except OSError as failure:
+        _log.error("cannot rename %s to %s: %s", path, kept.name, failure)
+    return ids
 
 
 def _parse(text: str) -> dict[str, int]:

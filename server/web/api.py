@@ -8,49 +8,89 @@ import logging
 import math
 import re
 import secrets
+import time
+import unicodedata
+from collections.abc import Mapping
 from typing import Any, NoReturn
 
 from flask import Blueprint, Response, abort, make_response, request
 from jinja2.utils import htmlsafe_json_dumps
 
-from laser_bot_battle.names import SESSION_COOKIE, Game, session_digest
+from laser_bot_battle.names import SESSION_COOKIE, Game, session_digest, session_ticket
+from laser_bot_battle.token_bucket import TokenBuckets
 from server.game.loop import GameLoop
 from server.game.referee import Verdict
-from server.game.snapshot import Snapshot
-from server.game.users import AVATARS, is_valid_name
+from server.game.snapshot import Player, Snapshot, Waiter
+from server.game.users import AVATARS, MAX_NAME, is_reserved_name, is_valid_name
+from server.web.visitors import SignUps, visitor_address, visitor_mark
 
 _log = logging.getLogger(__name__)
 
 _ROBOT_ID = re.compile(r"-?[0-9]{1,9}")
-_READY = {"0": False, "1": True}
+WISHES = 20  # of one player to be ready or not, at once; then
+WISH_PERIOD = 1.0  # s for each further one
+_FLAG = {"0": False, "1": True}
 
 
 def create_api(game: GameLoop) -> Blueprint:
     """The routes, as a Flask blueprint named `api`."""
     api = Blueprint("api", __name__)
+    _add_sign_up(api, game)
+    _add_seats(api, game)
+    _add_battle(api, game)
+    return api
+
+
+def _add_sign_up(api: Blueprint, game: GameLoop) -> None:
+    """How one becomes a player, or who waits to be one."""
+    sign_ups = SignUps()
 
     @api.post("/signUpUser")
     def sign_up_user() -> Response:
-        name = _field("data")
+        name = unicodedata.normalize("NFC", _field("data"))
         if not is_valid_name(name):
-            _refuse(400, "a name is 1 to 16 letters, digits or _", user=name)
+            _refuse(400, f"a name is 1 to {MAX_NAME} letters, digits or _", user=name)
+        if is_reserved_name(name):
+            _refuse(400, f"the name {name} is reserved: choose another", user=name)
         avatar = request.form.get("avatar", "0")
         if avatar not in map(str, range(AVATARS)):
             _refuse(400, f"avatar must be 0 to {AVATARS - 1}", user=name)
         wish = request.form.get("robot")
         wanted = None if wish is None else _robot_id(wish, "robot")
+        wait = _FLAG.get(request.form.get("wait", "0"))
+        if wait is None:
+            _refuse(400, "wait must be 0 or 1", user=name)
+        seconds = math.ceil(sign_ups.wait())
+        if seconds:
+            return _too_fast(f"too many sign-ups from your address: again in {seconds} s", seconds)
         token = secrets.token_urlsafe(32)
-        verdict, player = game.sign_up(name, session_digest(token), int(avatar), cookie_session(), wanted)
+        verdict, who = game.sign_up(
+            name,
+            session_digest(token),
+            int(avatar),
+            old_session=cookie_session(),
+            wanted=wanted,
+            wait=wait,
+            address=visitor_mark(),
+        )
         if verdict is Verdict.NAME_TAKEN:
             _log.info("the name %s is taken: %s has to choose another", name, request.remote_addr)
+        if verdict is Verdict.NAME_BANNED:
+            _refuse(403, "the operator has banned this name: choose another", user=name)
+        if verdict is Verdict.NAME_UNWANTED:
+            _refuse(403, "this name has a word in it that is not allowed here: choose another", user=name)
         if verdict is Verdict.ROBOT_UNAVAILABLE:
             return reply(status="ROBOT_UNAVAILABLE", robot=wanted)
-        if player is None:
+        if who is None:
             return reply(status="UNAVAILABLE" if verdict is Verdict.NAME_TAKEN else "NO_ROBOTS", user=name)
-        response = reply(status="OK", user=name, robot=player.robot)
-        if player.session == session_digest(token):  # else the page has its cookie already
+        response = reply(**_seat(who))
+        if who.session == session_digest(token):  # else the page has its cookie already
             response.set_cookie(SESSION_COOKIE, token, httponly=True, samesite="Lax", path="/")
         return response
+
+
+def _add_seats(api: Blueprint, game: GameLoop) -> None:
+    """Who plays, who waits, and on which robot."""
 
     @api.post("/signOutUser")
     def sign_out_user() -> Response:
@@ -64,43 +104,70 @@ def create_api(game: GameLoop) -> Blueprint:
         response.delete_cookie(SESSION_COOKIE, path="/", httponly=True, samesite="Lax")
         return response
 
+    @api.post("/takeRobot")
+    def take_robot() -> Response:
+        """Who waits takes the robot that is offered."""
+        verdict, player = game.take_offer(cookie_session() or "")
+        if player is None:
+            return reply(status="UNREGISTERED" if verdict is Verdict.UNKNOWN_USER else "NO_ROBOTS")
+        return reply(**_seat(player))
+
+    @api.get("/session")
+    def session() -> Response:
+        who = game.seen(cookie_session() or "")
+        if who is None:
+            return reply(status="UNREGISTERED")
+        ticket = session_ticket(who.session, time.time())  # by which the page signs in to rosbridge
+        return reply(**_seat(who), ticket=ticket)
+
+
+def _add_battle(api: Blueprint, game: GameLoop) -> None:
+    """What players and robots tell and ask."""
+
+    wishes = TokenBuckets(WISHES, WISH_PERIOD)
+
     @api.post("/playerReady")
     def player_ready() -> Response:
-        name, ready = _field("user"), _READY.get(_field("ready"))
+        name, ready = _field("user"), _FLAG.get(_field("ready"))
         if game.snapshot().game is Game.PLAYING:
             return reply(status="STARTED")
         if ready is None:
             _refuse(400, "ready must be 0 or 1", user=name)
-        verdict = game.set_ready(name, ready, cookie_session() or "")
+        session = cookie_session() or ""
+        seconds = math.ceil(wishes.take(session or visitor_mark(), time.monotonic()))
+        if seconds:
+            return _too_fast(f"too many changes: again in {seconds} s", seconds)
+        verdict = game.set_ready(name, ready, session)
         if verdict is Verdict.STARTED:
             return reply(status="STARTED")
         if verdict is Verdict.UNKNOWN_USER:
             return reply(status="ERROR", user=name)
+        if verdict is Verdict.ROBOT_AWAY:
+            return reply(status="ROBOT_UNAVAILABLE", user=name)
         if verdict is Verdict.NOT_YOURS:
             _refuse(403, "only that user can get ready", user=name)
         return reply(status="OK", user=name)
 
+    status = _GameStatus()
+
     @api.post("/updateGameStatus")
     def update_game_status() -> Response:
-        return reply(status="OK", **_game_status(game.snapshot()))
+        return _response(status.text(game.snapshot()))
 
     @api.post("/getAvailableRobots")
     def get_available_robots() -> Response:
-        return reply(status="OK", availableR=game.snapshot().available_robots)
+        """What the login page shows: also what the operators tell everybody."""
+        snapshot = game.snapshot()
+        free = snapshot.free_robots
+        return reply(status="OK", availableR=len(free), robots=free, message=snapshot.message)
 
     @api.post("/incAlive")
     def inc_alive() -> Response:
         robot_id = _robot_id(_field("ID"), "ID")
-        return reply(status="OK" if game.robot_alive(robot_id) else "ERROR")
-
-    @api.get("/session")
-    def session() -> Response:
-        player = game.seen(cookie_session() or "")
-        if player is None:
-            return reply(status="UNREGISTERED")
-        return reply(status="OK", user=player.name, robot=player.robot)
-
-    return api
+        verdict = game.robot_alive(robot_id, key=request.form.get("key", ""), address=visitor_address())
+        if verdict is Verdict.NOT_YOURS:
+            _refuse(403, "only that robot can say that it is alive")
+        return reply(status="OK" if verdict is Verdict.OK else "ERROR")
 
 
 def reply(http_status: int = 200, **content: Any) -> Response:
@@ -110,7 +177,15 @@ def reply(http_status: int = 200, **content: Any) -> Response:
     """
     if http_status >= 400:
         _log.warning("%s from %s refused: %s", request.path, request.remote_addr, content.get("error"))
-    response = make_response(str(htmlsafe_json_dumps(content, sort_keys=True)), http_status)
+    return _response(_text(content), http_status)
+
+
+def _text(content: Mapping[str, Any]) -> str:
+    return str(htmlsafe_json_dumps(content, sort_keys=True))
+
+
+def _response(text: str, http_status: int = 200) -> Response:
+    response = make_response(text, http_status)
     response.headers["Content-Security-Policy"] = "default-src 'none'; frame-ancestors 'none'"
     return response
 
@@ -119,6 +194,25 @@ def cookie_session() -> str | None:
     """The SHA-256 (hex) of the session token that the request brings, None without one."""
     token = request.cookies.get(SESSION_COOKIE)
     return session_digest(token) if token else None
+
+
+def _too_fast(error: str, seconds: int) -> Response:
+    response = reply(429, error=error, status="ERROR")
+    response.headers["Retry-After"] = str(seconds)
+    return response
+
+
+def _seat(who: Player | Waiter) -> dict[str, Any]:
+    """What the own page may know of a player, or of who waits to be one; `seconds`: see Waiter."""
+    if isinstance(who, Player):
+        return {"status": "OK", "user": who.name, "robot": who.robot}
+    return {
+        "status": "QUEUED",
+        "user": who.name,
+        "place": who.place,
+        "offer": who.offer,
+        "seconds": math.ceil(who.seconds),
+    }
 
 
 def _field(name: str) -> str:
@@ -138,15 +232,29 @@ def _refuse(http_status: int, error: str, status: str = "ERROR", **content: Any)
     abort(reply(http_status, error=error, status=status, **content))
 
 
-def _game_status(snapshot: Snapshot) -> dict[str, Any]:
-    """`users` is a string of JSON within the JSON, `timeLeft` whole seconds of the countdown (manual 3.1.3.4)."""
-    users = [
-        {"ready": int(player.ready), "life": player.life, "name": player.name, "robot": player.robot}
-        for player in snapshot.players
-    ]
-    counting = snapshot.game is Game.COUNTDOWN
-    return {
-        "game": snapshot.game.value,
-        "timeLeft": math.ceil(snapshot.time_left) if counting else 0,
-        "users": str(htmlsafe_json_dumps(users)),
-    }
+class _GameStatus:
+    """The answer of /updateGameStatus, written anew only when it is another one: every page asks twice a second."""
+
+    def __init__(self) -> None:
+        self._last: tuple[object, str] = (None, "")
+
+    def text(self, snapshot: Snapshot) -> str:
+        """`users` is a string of JSON within the JSON, `timeLeft` whole seconds of the countdown (manual 3.1.3.4)."""
+        time_left = math.ceil(snapshot.time_left) if snapshot.game is Game.COUNTDOWN else 0
+        told = (snapshot.game, time_left, snapshot.players)
+        known, text = self._last  # of any thread's; one tuple, so the two belong together
+        if told != known:
+            users = [
+                {"ready": int(player.ready), "life": player.life, "name": player.name, "robot": player.robot}
+                for player in snapshot.players
+            ]
+            text = _text(
+                {
+                    "status": "OK",
+                    "game": snapshot.game.value,
+                    "timeLeft": time_left,
+                    "users": str(htmlsafe_json_dumps(users)),
+                }
+            )
+            self._last = told, text
+        return text

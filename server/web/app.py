@@ -1,11 +1,15 @@
 """The web application (manual 3.1.3): pages, error pages and the rules that hold for every request."""
 
-from flask import Flask, Response, abort, make_response, render_template, request
+from flask import Blueprint, Flask, Response, abort, make_response, render_template, request
 from werkzeug.exceptions import HTTPException, MethodNotAllowed, NotFound
 
 from server.game.loop import GameLoop
 from server.settings import Settings
+from server.store.results import Results
+from server.web import operator_api
 from server.web.api import cookie_session, create_api, reply
+from server.web.hosts import with_valid_host
+from server.web.results import create_results
 
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
 
@@ -16,12 +20,14 @@ _PAGE_POLICY = (
 )
 
 
-def create_app(game: GameLoop, settings: Settings) -> Flask:
-    """The WSGI application that serves `game`."""
+def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
+    """The WSGI application that serves `game`, with `more` routes than those of players and robots."""
     app = Flask(__name__, static_folder="../static")
     page_policy = _PAGE_POLICY + (f"; frame-src *:{settings.view_port}" if settings.view_port else "")
     api = create_api(game)
-    app.register_blueprint(api)
+    for blueprint in (api, create_results(Results(settings.database)), *more):
+        app.register_blueprint(blueprint)
+    app.wsgi_app = with_valid_host(app.wsgi_app)  # type: ignore[assignment, method-assign]
 
     @app.get("/")
     def index() -> str:
@@ -43,13 +49,15 @@ def create_app(game: GameLoop, settings: Settings) -> Flask:
     def refuse_other_sites() -> Response | None:
         """A form on another web site may POST to us; browsers then say where it comes from."""
         origin = request.headers.get("Origin")
-        if request.method == "POST" and origin is not None and origin.partition("://")[2] != request.host:
-            return reply(403, error="requests from other web sites are refused", status="ERROR")
-        return None
+        is_harmless = request.method in {"GET", "HEAD", "OPTIONS"}
+        if is_harmless or origin is None or origin.partition("://")[2] == request.host:
+            return None
+        return _refuse(403, "requests from other web sites are refused")
 
     @app.before_request
     def refuse_huge_body() -> None:
-        if (request.content_length or 0) > _MAX_BODY:
+        limit = operator_api.MAX_BODY if _is_operators() else _MAX_BODY
+        if (request.content_length or 0) > limit:
             abort(413)
 
     @app.before_request
@@ -71,19 +79,28 @@ def create_app(game: GameLoop, settings: Settings) -> Flask:
     @app.errorhandler(HTTPException)
     def explain(error: HTTPException) -> Response:
         """A themed page for people (404, 405, 500); JSON for what is wrong with a call of the API."""
-        if isinstance(error, NotFound | MethodNotAllowed) or not _is_api_call():
+        is_page = isinstance(error, NotFound | MethodNotAllowed) or request.blueprint != api.name
+        if is_page and not _is_operators():
             return _error_page(error)
-        return reply(error.code or 500, error=error.description or error.name, status="ERROR")
+        response = _refuse(error.code or 500, error.description or error.name)
+        _add_allow(response, error)
+        return response
 
-    def _is_api_call() -> bool:
-        return request.blueprint == api.name
+    def _is_operators() -> bool:
+        return request.path.startswith(operator_api.PREFIX)
+
+    def _refuse(code: int, error: str) -> Response:
+        return operator_api.refusal(code, error) if _is_operators() else reply(code, error=error, status="ERROR")
 
     def _error_page(error: HTTPException) -> Response:
         code = error.code or 500
         page = code if code in {404, 405} else 500
         response = make_response(render_template(f"errors/{page}.html"), code)
+        _add_allow(response, error)
+        return response
+
+    def _add_allow(response: Response, error: HTTPException) -> None:
         if isinstance(error, MethodNotAllowed) and error.valid_methods:
             response.headers["Allow"] = ", ".join(sorted(error.valid_methods))
-        return response
 
     return app

@@ -1,11 +1,13 @@
 """A real Chromium (Debian's) by Playwright."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, expect, sync_playwright
 
+from tests.browser.people import Person
+from tests.support.battle import Battle
 from tests.support.programs import ROOT
 
 FLAGS = [
@@ -34,3 +36,19 @@ def screenshots() -> Path:
     folder = ROOT / "build" / "screenshots"
     folder.mkdir(parents=True, exist_ok=True)
     return folder
+
+
+@pytest.fixture
+def person(chromium: Browser, battle: Battle) -> Iterator[Callable[[str], Person]]:
+    """Makes people in the module's `battle`; they are signed out and gone after the test."""
+    people: list[Person] = []
+
+    def make(name: str) -> Person:
+        people.append(Person(chromium, battle, name))
+        return people[-1]
+
+    yield make
+    for one in people:
+        one.context.request.post(f"{battle.web}/signOutUser", form={"data": one.name})
+        one.context.close()
+        assert one.complaints == []

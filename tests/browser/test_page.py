@@ -2,37 +2,31 @@
 
 from collections.abc import Callable, Iterator
 
+import psutil
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.browser.people import Person
-from tests.support.battle import Battle
+from tests.support.battle import Battle, Paused
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
 STILL = 40  # equal views in a row, at 25 Hz
+# A cookie goes to one host name: the WebSocket to another name of this machine is without it. While `muted`, the page
+# cannot say whose it is.
+NO_COOKIE = """
+window.muted = true;
+window.WebSocket = class extends WebSocket {
+  constructor(url, ...more) { super(url.replace("127.0.0.1", "localhost"), ...more); }
+  send(text) { if (!window.muted || !text.includes('"op":"auth"')) super.send(text); }
+};
+"""
 
 
 @pytest.fixture(scope="module")
 def battle() -> Iterator[Battle]:
     with Battle(robots=2, LASERBOT_COUNTDOWN="1") as running:
         yield running
-
-
-@pytest.fixture
-def person(chromium: Browser, battle: Battle) -> Iterator[Callable[[str], Person]]:
-    """Makes people; they are signed out and gone after the test."""
-    people: list[Person] = []
-
-    def make(name: str) -> Person:
-        people.append(Person(chromium, battle, name))
-        return people[-1]
-
-    yield make
-    for one in people:
-        one.context.request.post(f"{battle.web}/signOutUser", form={"data": one.name})
-        one.context.close()
-        assert one.complaints == []
 
 
 def dialog_of(page: Page) -> str:
@@ -76,13 +70,61 @@ def test_enter_counts_as_soon_as_a_message_is_gone(person: Callable[[str], Perso
     assert "This name does not work" in dialog_of(eve.page)
 
 
-def test_without_a_free_robot_the_login_says_so(person: Callable[[str], Person], battle: Battle) -> None:
-    with Player(battle, "Bob"), Player(battle, "Cy"):
-        ann = person("Ann")
-        expect(ann.page.locator("#availableR")).to_have_text("0")
-        ann.page.locator("#username").fill("Ann")
-        ann.page.locator("#username").press("Enter")
-        assert "No robots at this time" in dialog_of(ann.page)
+def test_without_a_free_robot_one_waits_and_takes_the_one_that_is_offered(
+    person: Callable[[str], Person], battle: Battle
+) -> None:
+    ann, bea = person("Jörg"), person("Bea")
+    with Player(battle, "One") as one, Player(battle, "Two"):
+        for waiting in (ann, bea):
+            waiting.page.locator("#username").fill(waiting.name)
+            waiting.page.locator("#username").press("Enter")
+            expect(waiting.page.locator("#queue")).to_be_visible()
+        expect(ann.page.locator("#queue-title")).to_have_text("You are next.")
+        expect(bea.page.locator("#queue-title")).to_have_text("You are number 2 in the queue.")
+        bea.page.reload()
+        expect(bea.page.locator("#queue-title")).to_have_text("You are number 2 in the queue.")
+        one.post("signOutUser", data="One")
+        expect(ann.page.locator("#queue-title")).to_have_text(f"Robot {one.robot} is yours!")
+        expect(ann.page.locator("#take")).to_be_focused()
+        ann.page.keyboard.press("Enter")
+        ann.page.wait_for_url("**/home")
+        expect(ann.page.locator(".robotN").first).to_have_text(f"Robot {one.robot}")
+        expect(bea.page.locator("#queue-title")).to_have_text("You are next.")
+        bea.page.locator("#leave").click()
+        expect(bea.page.locator("#queue")).to_be_hidden()
+        expect(bea.page.locator("#username")).to_be_visible()
+
+
+def test_a_robot_can_be_chosen_until_somebody_else_has_it(person: Callable[[str], Person], battle: Battle) -> None:
+    ann, bea = person("Ann"), person("Bea")
+    for page in (ann.page, bea.page):
+        page.locator("#robot").select_option("Robot 1")
+    ann.log_in()
+    assert ann.robot == 1
+    bea.page.locator("#username").fill("Bea")
+    bea.page.locator("#username").press("Enter")
+    assert "Robot 1 is not free" in dialog_of(bea.page)
+    bea.page.keyboard.press("Escape")
+    bea.log_in()
+    assert bea.robot == 0
+
+
+def test_with_practice_one_drives_before_the_battle(chromium: Browser) -> None:
+    with Battle(robots=1, LASERBOT_PRACTICE="1") as practice, Eyes(practice) as eyes:
+        ann = Person(chromium, practice, "Ann")
+        ann.log_in()
+        expect(ann.page.locator("#game-hint")).to_have_text("Until the battle you can try out your robot.")
+        start = eyes.robots()[ann.robot]
+
+        def moves() -> bool:
+            ann.hold((1, 0, False))
+            now = eyes.robots()[ann.robot]
+            return (now["x"], now["y"]) != (start["x"], start["y"])
+
+        until(moves, 10, "the keys move the robot")
+        ann.hold((0, 0, False))
+        ann.context.close()
+        assert ann.complaints == []
 
 
 def test_help_is_on_both_pages(person: Callable[[str], Person]) -> None:
@@ -151,12 +193,48 @@ def test_a_window_that_loses_the_focus_stops_the_robot_though_the_key_is_held(
         ann.page.keyboard.up(key)
 
 
-def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person], battle: Battle) -> None:
+def test_a_socket_without_the_cookie_is_signed_in_and_until_then_its_player_is_told(
+    person: Callable[[str], Person], battle: Battle
+) -> None:
+    ann = person("Ann")
+    ann.page.add_init_script(NO_COOKIE)
+    ann.log_in()
+    with Player(battle, "Bob") as bob, Eyes(battle) as eyes:
+        ann.page.locator("#ready-btn").click()
+        assert bob.ready() == "OK"
+        expect(ann.page.locator("#game-status")).to_have_text("Your robot does not obey")
+        expect(ann.page.locator("#game-hint")).to_contain_text("not signed in")
+        before = eyes.robots()[ann.robot]["heading"]
+        ann.page.keyboard.down("ArrowRight")
+        expect(ann.page.locator("[data-action=right].is-held").first).to_be_visible()
+        assert eyes.robots()[ann.robot]["heading"] == before
+        ann.page.evaluate("window.muted = false")
+        until(lambda: abs(eyes.robots()[ann.robot]["heading"] - before) > 0.1, 10, "the robot turns")
+        expect(ann.page.locator("#game-status")).to_have_text("PLAY!")
+        ann.page.keyboard.up("ArrowRight")
+
+
+def test_a_robot_that_starts_again_is_still_its_players(person: Callable[[str], Person], battle: Battle) -> None:
     ann = person("Ann")
     ann.log_in()
     battle.kill(rf"avr_robot .*--name virtual{ann.robot} ")
-    assert "Robot lost" in dialog_of(ann.page)
-    ann.page.wait_for_url(f"{battle.web}/")
+    ready = ann.page.locator("#ready-btn")
+
+    def after_a_click(is_so: Callable[[], bool]) -> bool:
+        ready.click()
+        return is_so()
+
+    until(lambda: after_a_click(lambda: "does not answer" in ann.page.locator("body").inner_text()), 15, "it is told")
+    until(lambda: after_a_click(lambda: ready.get_attribute("aria-pressed") == "true"), 30, "the robot is back")
+
+
+def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    serial_node = battle.pid(rf"robot\.serial_node \S*/virtual{ann.robot}/")
+    with Paused(psutil.Process(serial_node).ppid()):
+        assert "Robot lost" in dialog_of(ann.page)
+        ann.page.wait_for_url(f"{battle.web}/")
     expect(ann.page.locator("#availableR")).to_have_text("2", timeout=30_000)
 
 

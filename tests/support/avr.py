@@ -86,7 +86,7 @@ class AvrRobot:
         self.program = Program([str(word) for word in [AVR_ROBOT, *arguments]])
         self._parsed = 0
         self._events: list[Event] = []
-        self.program.wait_for(" ready\n")
+        self.program.wait_for(" tick\n")  # its UART is on by now: as on a real Uno, what comes before is lost
 
     @property
     def uart(self) -> str:

@@ -55,7 +55,10 @@ def children() -> set[str]:
     """The running processes below this one. The kernel's own list: psutil's asks every process of the machine."""
     found = set()
     for path in Path("/proc/self/task").glob("*/children"):
-        for pid in path.read_text().split():
+        pids = ""
+        with contextlib.suppress(OSError):  # that thread has just ended
+            pids = path.read_text()
+        for pid in pids.split():
             with contextlib.suppress(psutil.Error):
                 process = psutil.Process(int(pid))
                 command = " ".join(process.cmdline())

@@ -79,13 +79,23 @@ class Player:
     def __init__(self, battle: Place, name: str) -> None:
         self.battle, self.name = battle, name
         self.http = requests.Session()
-        reply = self.post("signUpUser", data=name)
+        reply = self.sign_up()
         assert reply["status"] == "OK", reply
         self.robot: int = reply["robot"]
         self.connect()
         self._gone = threading.Event()
         self._heart = threading.Thread(target=self._beat)
         self._heart.start()
+
+    def sign_up(self) -> dict[str, Any]:
+        """As often as it takes: an address has so many sign-ups in a while."""
+        while (
+            reply := self.http.post(f"{self.battle.web}/signUpUser", data={"data": self.name}, timeout=5)
+        ) is not None:
+            if reply.status_code != requests.codes.too_many_requests:
+                break
+            time.sleep(float(reply.headers["Retry-After"]))
+        return dict(json.loads(reply.text))
 
     def _beat(self) -> None:
         """A page that is open asks for the state now and then; one that is silent for 15 s is signed out."""

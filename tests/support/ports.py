@@ -9,7 +9,7 @@ def free_port() -> int:
     It stays bound here: the kernel hands it out to no one, and who sets SO_REUSEADDR, as servers do, may listen on it.
     """
     reservation = socket.socket()
-    reservation.bind(("127.0.0.1", 0))
+    reservation.bind(("", 0))  # on all addresses, as servers do: clients have ports of their own at 127.0.0.2
     reservation.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     port = int(reservation.getsockname()[1])
     reservation.detach()

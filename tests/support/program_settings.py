@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from robot.settings import Settings as RobotSettings
+from server.announcer.settings import Settings as AnnouncerSettings
 from server.rosbridge.settings import Settings as RosbridgeSettings
 from server.settings import Settings as WebSettings
 from sim.arena.settings import Settings as ArenaSettings
@@ -33,6 +34,7 @@ Reader = Callable[[Mapping[str, str]], Any]
 READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.main": (WebSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.node.port}, ROS),
+    "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
     "sim.arena": (ArenaSettings.from_env, lambda found: {found.view_port, found.link_port}, set()),
     "sim.bot": (BotSettings.read, lambda _: set(), set()),

@@ -23,7 +23,10 @@ async function post(route, fields) {
 
 // Each rejects when the server does not answer in time.
 
-export const signUp = (name, avatar) => post("/signUpUser", { data: name, avatar });
+/** With a `robot` of one's choice, or with "" for any; without a free one, the player waits for one: status QUEUED. */
+export const signUp = (name, avatar, robot) =>
+  post("/signUpUser", { data: name, avatar, ...(robot === "" ? { wait: 1 } : { robot }) });
+export const takeRobot = () => post("/takeRobot", {});
 export const signOut = (name) => post("/signOutUser", { data: name });
 export const setReady = (name, ready) => post("/playerReady", { user: name, ready: ready ? 1 : 0 });
 export const availableRobots = () => post("/getAvailableRobots", { data: "data" });
@@ -35,9 +38,12 @@ export async function gameStatus() {
   return reply;
 }
 
-/** Whose the session cookie is: {status: "OK", user, robot} or {status: "UNREGISTERED"}. */
+/**
+ * Whose the session cookie is: {status: "OK", user, robot, ticket}; of who waits for a robot, {status: "QUEUED", user,
+ * place, offer, seconds} (see queue.js); or {status: "UNREGISTERED"}.
+ */
 export async function session() {
   const reply = await read(await fetch("/session", { cache: "no-store", signal: AbortSignal.timeout(TIMEOUT) }));
-  if (reply.status !== "OK" && reply.status !== "UNREGISTERED") throw new Error(`/session: ${reply.status}`);
+  if (!["OK", "QUEUED", "UNREGISTERED"].includes(reply.status)) throw new Error(`/session: ${reply.status}`);
   return reply;
 }

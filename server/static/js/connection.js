@@ -6,14 +6,18 @@ import { isNeutral } from "./keys.js";
 const RETRY = 1000; // ms from a lost connection to the next attempt
 const SILENCE = 4000; // ms; the state is published every 500 ms, so such a connection is half-open
 const BACKLOG = 1024; // bytes not yet on the wire: about five commands, 125 ms
+const SIGN_IN = 1000; // ms that commands wait for the ticket; with a cookie they may pass without it
 
-/** Subscribes to /game_status and publishes commands. */
+/** Subscribes to /game_status, signs in and publishes commands. */
 export class Connection {
   #url;
   #onStatus;
   #onChange;
+  #onRefusal;
+  #getTicket;
   #ros = null;
   #up = false;
+  #mayPublish = false; // not before it is said whose commands they are
   #socket = null;
   #commands = null; // { robot, topic } of this connection
   #timer = null;
@@ -24,11 +28,15 @@ export class Connection {
    * @param {string} wiring.url of rosbridge, ws://host:port
    * @param {(message: object) => void} wiring.onStatus gets each laser_bot_battle/GameStatus
    * @param {(up: boolean) => void} wiring.onChange
+   * @param {(reason: string) => void} wiring.onRefusal rosbridge refuses a command
+   * @param {() => Promise<{user: string, ticket: string}|null>} wiring.getTicket for the player of this page
    */
-  constructor({ url, onStatus, onChange }) {
+  constructor({ url, onStatus, onChange, onRefusal, getTicket }) {
     this.#url = url;
     this.#onStatus = onStatus;
     this.#onChange = onChange;
+    this.#onRefusal = onRefusal;
+    this.#getTicket = getTicket;
   }
 
   get up() {
@@ -46,12 +54,12 @@ export class Connection {
   }
 
   /**
-   * Send a Robot_msg to a robot now, or drop it: while it is down, and, unless it says stop, while the network is
-   * slower than the player.
+   * Send a Robot_msg to a robot now, or drop it: while it is down or not signed in, and, unless it says stop, while the
+   * network is slower than the player.
    * @returns {boolean} whether it was sent
    */
   publish(robot, command) {
-    if (!this.#up) return false;
+    if (!this.#mayPublish) return false;
     if (this.#socket.bufferedAmount > BACKLOG && !isNeutral(command)) return false;
     if (this.#commands?.robot !== robot) {
       this.#commands = { robot, topic: this.#topic(`/Robot${robot}/command`, "laser_bot_battle/Robot_msg") };
@@ -66,6 +74,13 @@ export class Connection {
     this.#commands = null;
   }
 
+  /** Say whose page this is: the cookie does not always come along with a WebSocket. */
+  async signIn() {
+    const ros = this.#ros;
+    const session = await this.#getTicket().catch(() => null);
+    if (session && this.#up && ros === this.#ros) ros.authenticate(session.ticket, session.user, "", "", 0, "", 0);
+  }
+
   #topic(name, messageType) {
     return new Topic({ ros: this.#ros, name, messageType, reconnect_on_close: false });
   }
@@ -76,6 +91,7 @@ export class Connection {
       transportFactory: async (url) => {
         const transport = await WebSocketTransportFactory(url);
         this.#socket = transport.socket; // its bufferedAmount tells a slow network
+        transport.on("message", (message) => ros === this.#ros && this.#hear(message));
         return transport;
       },
     });
@@ -87,6 +103,10 @@ export class Connection {
       });
       this.#retryIn(SILENCE);
       this.#setUp(true);
+      const timeout = new Promise((resolve) => setTimeout(resolve, SIGN_IN));
+      Promise.race([this.signIn(), timeout]).then(() => {
+        if (ros === this.#ros) this.#mayPublish = true;
+      });
     });
     ros.on("close", () => {
       this.#drop();
@@ -97,6 +117,12 @@ export class Connection {
       () => ros !== this.#ros && ros.close(), // dropped meanwhile
       (error) => console.error(`rosbridge at ${this.#url}:`, error),
     );
+  }
+
+  /** Statuses, which roslib tells only to who knows their ids: those of commands begin as roslib makes them. */
+  #hear({ op, level, id, msg }) {
+    const isOfCommand = typeof id === "string" && /^(publish|advertise):\/Robot/.test(id);
+    if (op === "status" && level === "error" && isOfCommand) this.#onRefusal(msg);
   }
 
   /** Connect again unless something arrives within `ms`. */
@@ -117,6 +143,7 @@ export class Connection {
     this.#ros = null;
     this.#socket = null;
     this.#commands = null;
+    this.#mayPublish = false;
     this.#setUp(false);
   }
 

@@ -5,7 +5,7 @@ import { actionOf, padActions } from "./keys.js";
 
 /** Connect the page's controls to `driver`; `onChange` is called after each change of what is held. */
 export function connectControls(driver, onChange) {
-  connectKeyboard(driver, onChange);
+  connectKeyboard(window, driver, onChange);
   connectPad(document.getElementById("pad"), driver, onChange);
   connectFire(document.getElementById("fire"), driver, onChange);
 
@@ -27,9 +27,10 @@ function isForPage(event) {
   return dialogs.isOpen() || Boolean(typing) || event.ctrlKey || event.altKey || event.metaKey;
 }
 
-function connectKeyboard(driver, onChange) {
+/** Keys that reach `target`, which is the window or has the focus. */
+export function connectKeyboard(target, driver, onChange) {
   const source = (event) => `key ${event.code || event.key}`;
-  addEventListener("keydown", (event) => {
+  target.addEventListener("keydown", (event) => {
     const action = actionOf(event);
     if (!driver.driving) return;
     if (isForPage(event)) {
@@ -41,7 +42,7 @@ function connectKeyboard(driver, onChange) {
       onChange();
     }
   });
-  addEventListener("keyup", (event) => {
+  target.addEventListener("keyup", (event) => {
     if (driver.driving && actionOf(event) && !dialogs.isOpen()) event.preventDefault(); // a button is pressed by Space's release
     driver.release(source(event));
     onChange();
@@ -49,7 +50,7 @@ function connectKeyboard(driver, onChange) {
 }
 
 /** One element for all directions, so that a thumb can slide from one to the next. */
-function connectPad(pad, driver, onChange) {
+export function connectPad(pad, driver, onChange) {
   const source = (event) => `pad ${event.pointerId}`;
   const hold = (event) => {
     const box = pad.getBoundingClientRect();
@@ -65,7 +66,8 @@ function connectPad(pad, driver, onChange) {
   pad.addEventListener("pointermove", (event) => pad.hasPointerCapture(event.pointerId) && hold(event));
 }
 
-function connectFire(button, driver, onChange) {
+/** A button that fires while it is held. */
+export function connectFire(button, driver, onChange) {
   const source = (event) => `fire ${event.pointerId}`;
   const hold = (event) => {
     driver.hold(source(event), ["shoot"]);

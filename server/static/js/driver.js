@@ -2,7 +2,7 @@
 
 import { NEUTRAL, commandOf, isNeutral, isSameCommand } from "./keys.js";
 
-/** ms between two commands while anything is held; the robot stops by itself after 300 ms of silence. */
+/** ms between two commands of a player while anything is held; the robot stops by itself after 300 ms of silence. */
 export const STREAM_INTERVAL = 25;
 
 /**
@@ -12,18 +12,22 @@ export const STREAM_INTERVAL = 25;
 export class Driver {
   #send;
   #every;
+  #interval;
   #held = new Map();
   #command = NEUTRAL;
   #driving = false;
   #cancelStream = null;
 
   /**
-   * @param {(command: object) => void} send delivers a Robot_msg now or drops it
-   * @param {(ms: number, act: () => void) => (() => void)} every repeats `act`; returns what ends it
+   * @param {object} wiring
+   * @param {(command: object) => void} wiring.send delivers a Robot_msg now or drops it
+   * @param {(ms: number, act: () => void) => (() => void)} wiring.every repeats `act`; returns what ends it
+   * @param {number} [wiring.interval] ms between two commands while anything is held
    */
-  constructor({ send, every }) {
+  constructor({ send, every, interval = STREAM_INTERVAL }) {
     this.#send = send;
     this.#every = every;
+    this.#interval = interval;
   }
 
   get driving() {
@@ -79,7 +83,7 @@ export class Driver {
     this.#command = command;
     this.#endStream();
     this.#send(command);
-    if (!isNeutral(command)) this.#cancelStream = this.#every(STREAM_INTERVAL, () => this.#send(this.#command));
+    if (!isNeutral(command)) this.#cancelStream = this.#every(this.#interval, () => this.#send(this.#command));
   }
 
   #endStream() {

@@ -14,6 +14,7 @@ import * as view from "./view.js";
 
 const TICK = 500; // ms between two looks at whether a heartbeat is due
 const RETRY = 1000; // ms between two attempts to reach the server at the start
+const REFUSED = 3000; // ms that a refusal is shown; rosbridge repeats it every second while commands come
 
 const byId = (id) => document.getElementById(id);
 
@@ -27,7 +28,9 @@ class Game {
   #timer = null;
   #left = false;
   #asking = false; // a change of ready is under way
-  #checking = false;
+  #checking = null; // the question for the session that is under way
+  #refusal = "";
+  #refusalTimer = null;
   #signingOut = false;
   #laser = new effects.Laser(byId("beam"), document.querySelectorAll(".charge-fill"));
 
@@ -42,6 +45,8 @@ class Game {
         this.#take(fromTopic(message));
       },
       onChange: () => this.#showConnection(),
+      onRefusal: (reason) => this.#refuse(reason),
+      getTicket: () => this.#checkSession(),
     });
     this.#heartbeat = new Heartbeat({
       post: api.gameStatus,
@@ -55,7 +60,8 @@ class Game {
     });
     this.#driver = new Driver({
       send: (command) => {
-        if (this.#connection.publish(me.robot, command) && command.shoot) this.#laser.fire(performance.now());
+        const sent = this.#connection.publish(me.robot, command);
+        if (sent && command.shoot && !this.#refusal) this.#laser.fire(performance.now());
       },
       every: (ms, act) => {
         const timer = setInterval(act, ms);
@@ -94,7 +100,7 @@ class Game {
     else this.#stopDriving();
     if (me.avatar !== this.#me.avatar && this.#connection.up) this.#me.avatar = me.avatar;
     view.showPlayer(this.#me);
-    view.showStatus(status, name);
+    view.showStatus(status, name, this.#refusal);
     view.announce(state.announcement(previous, status, name));
     if (state.lifeLost(previous, status, name) > 0) effects.hit(byId("stage"), byId("flash"));
     if (state.hasEnded(previous, status, name)) this.#showResult(state.ranking(status.result, name));
@@ -105,6 +111,23 @@ class Game {
     this.#driver.stop();
     this.#connection.unadvertise();
     view.showHeld(this.#driver.actions);
+    this.#setRefusal("");
+  }
+
+  /** rosbridge refuses this page's commands. That the last stop of a battle comes too late is no news. */
+  #refuse(reason) {
+    if (!this.#driver.driving) return;
+    this.#setRefusal(state.refusalText(reason));
+    this.#connection.signIn();
+  }
+
+  #setRefusal(text) {
+    clearTimeout(this.#refusalTimer);
+    if (text) this.#refusalTimer = setTimeout(() => this.#setRefusal(""), REFUSED);
+    if (text === this.#refusal) return;
+    this.#refusal = text;
+    view.showStatus(this.#status, this.#me.name, text);
+    view.announce(text);
   }
 
   /** Let go of the controls, then show a dialog. */
@@ -132,6 +155,8 @@ class Game {
       dialogs.toast("The server does not answer: try again.");
     } else if (reply.status === "STARTED") {
       dialogs.show({ title: "A battle is running", text: "Wait until it is over, then press ready." });
+    } else if (reply.status === "ROBOT_UNAVAILABLE") {
+      dialogs.toast("Your robot does not answer. It has some seconds to come back.");
     } else if (reply.status !== "OK") {
       console.error("playerReady:", reply.body);
       this.#checkSession();
@@ -166,19 +191,27 @@ class Game {
     }
   }
 
-  /** Ask the server whether this page's player is still signed in; if not, say so once and go. */
-  async #checkSession() {
-    if (this.#checking || this.#left) return;
-    this.#checking = true;
+  /** Ask the server whether this page's player is still signed in: the session, or null. If not, say so once and go. */
+  #checkSession() {
+    this.#checking ??= this.#askForSession().finally(() => (this.#checking = null));
+    return this.#checking;
+  }
+
+  async #askForSession() {
     const session = await api.session().catch(() => null); // no answer: the heartbeat goes on asking
-    this.#checking = false;
-    if (!session || this.#left) return;
+    if (!session || this.#left) return null;
     if (session.status === "UNREGISTERED") {
       const text = "The connection to your robot is lost, so you have been signed out.";
       this.#leave({ kind: "error", title: "Robot lost", text }, 2500);
+    } else if (session.status === "QUEUED") {
+      const text = "Your robot has passed on, or it is out of service. You have a place in the queue.";
+      this.#leave({ kind: "info", title: "Your turn is over", text }, 4000);
     } else if (session.user !== this.#me.name || session.robot !== this.#me.robot) {
       location.reload(); // another tab of this browser has signed in again
+    } else {
+      return session;
     }
+    return null;
   }
 
   /** The end of this page: say why, then back to the login after `ms`. */
@@ -217,6 +250,10 @@ function showArena() {
 
 async function main() {
   const session = await whoAmI();
+  if (session.status === "QUEUED") {
+    location.replace("/");
+    return;
+  }
   if (session.status !== "OK") {
     storage.forget();
     dialogs.show({ kind: "warning", title: "You are not logged in", text: "Back to the login.", ok: null });

@@ -4,6 +4,7 @@ import * as api from "./api.js";
 import * as dialogs from "./dialogs.js";
 import { avatarUrl, setText } from "./dom.js";
 import { isValidName, loginDialog } from "./login.js";
+import { queueText } from "./queue.js";
 import * as storage from "./storage.js";
 
 const POLL = 1000; // ms between two questions for free robots
@@ -12,7 +13,12 @@ const form = document.getElementById("login");
 const nameField = document.getElementById("username");
 const picture = document.getElementById("userImage");
 const robots = document.getElementById("availableR");
+const message = document.getElementById("message");
+const choice = document.getElementById("robot");
 const connectionState = document.getElementById("connection-state");
+
+const queue = document.getElementById("queue");
+const take = document.getElementById("take");
 
 let avatar = Math.floor(Math.random() * storage.AVATARS);
 let busy = false;
@@ -24,21 +30,62 @@ function showAvatar() {
 
 /** Sign up and go to the battle. The reply, also where the page itself says no. */
 async function logIn() {
-  const name = nameField.value.trim();
+  const name = nameField.value.trim().normalize("NFC");
   if (!isValidName(name)) return { status: "BAD_NAME" };
   if (!storage.isAvailable()) return { status: "NO_STORAGE" };
-  const reply = await api.signUp(name, avatar).catch(() => ({ status: "NO_ANSWER" }));
-  if (reply.status === "OK") {
-    storage.save(reply.user, reply.robot, avatar, new Date());
-    location.assign("/home");
-  }
+  const reply = await api.signUp(name, avatar, choice.value).catch(() => ({ status: "NO_ANSWER" }));
+  if (reply.status === "OK") enter(reply);
+  else if (reply.status === "QUEUED") waitForRobot();
   return reply;
+}
+
+/** Go to the own robot. */
+function enter({ user, robot }) {
+  storage.save(user, robot, avatar, new Date());
+  location.assign("/home");
+}
+
+/** Show the queue until there is a robot, or the visitor goes. */
+async function waitForRobot() {
+  for (;;) {
+    const session = await api.session().catch(() => null);
+    if (session?.status === "OK") return enter(session);
+    if (session?.status === "UNREGISTERED") break;
+    if (session) showQueue(session);
+    await new Promise((resolve) => setTimeout(resolve, POLL));
+  }
+  if (!take.hidden) {
+    dialogs.show({ kind: "info", title: "The robot has gone to the next one", text: "Press start to wait again." });
+  }
+  document.body.classList.remove("is-queued");
+  queue.hidden = true;
+  take.hidden = true;
+  nameField.focus();
+}
+
+function showQueue(session) {
+  const { title, text } = queueText(session);
+  queue.hidden = false;
+  document.body.classList.add("is-queued");
+  setText(document.getElementById("queue-title"), title);
+  setText(document.getElementById("queue-text"), text);
+  if (take.hidden && session.offer !== null) {
+    navigator.vibrate?.([200, 100, 200]);
+    take.hidden = false;
+    take.focus();
+  }
+  take.hidden = session.offer === null;
 }
 
 /** Ask about a player who is still signed in from this browser. What the server does not know any more is forgotten. */
 async function offerRestore() {
   const session = await api.session().catch(() => null);
   if (!session || busy) return;
+  if (session.status === "QUEUED") {
+    nameField.value = session.user;
+    waitForRobot();
+    return;
+  }
   if (session.status !== "OK") {
     storage.forget();
     return;
@@ -58,11 +105,25 @@ async function offerRestore() {
   nameField.focus();
 }
 
+/** Offer the `free` robots, and any of them. One that is chosen and gone is offered on: only the server says no. */
+function showChoice(free) {
+  const chosen = choice.value;
+  const ids = chosen === "" ? free : [...new Set([...free, Number(chosen)])].sort((one, other) => one - other);
+  const options = ids.map((id) => new Option(`Robot ${id}`, String(id)));
+  const shown = [...choice.options].slice(1).map((option) => option.value);
+  if (shown.join() !== ids.join()) choice.replaceChildren(choice.options[0], ...options);
+  choice.value = chosen;
+  choice.parentElement.hidden = ids.length < 2 && chosen === "";
+}
+
 async function showRobots() {
   try {
     const reply = await api.availableRobots();
     setText(robots, String(reply.availableR));
     robots.dataset.none = reply.availableR === 0;
+    showChoice(reply.robots);
+    message.hidden = reply.message === "";
+    setText(message, reply.message);
     connectionState.hidden = true;
   } catch {
     setText(robots, "?");
@@ -78,11 +139,21 @@ form.addEventListener("submit", async (event) => {
   const reply = await logIn();
   if (reply.status === "OK") return; // busy until the next page is there
   busy = false; // before the dialog: its end is told late, and Enter must count as soon as it is gone
+  if (reply.status === "QUEUED") return;
+  if (reply.status === "ROBOT_UNAVAILABLE") choice.value = "";
   dialogs.show(loginDialog(reply));
 });
 document.getElementById("avatar").addEventListener("click", () => {
   avatar = (avatar + 1) % storage.AVATARS;
   showAvatar();
+});
+take.addEventListener("click", async () => {
+  const reply = await api.takeRobot().catch(() => null);
+  if (reply?.status === "OK") enter(reply);
+});
+document.getElementById("leave").addEventListener("click", async () => {
+  take.hidden = true; // it is the visitor's own wish
+  await api.signOut(nameField.value.trim().normalize("NFC")).catch(() => null);
 });
 document.getElementById("how-to").addEventListener("click", dialogs.help);
 addEventListener("pageshow", (event) => event.persisted && location.reload()); // back from home: all may have changed

@@ -1,8 +1,8 @@
 // The words of the login. Pure.
 
-/** What the server takes as a name: 1 to 16 letters, digits and underscores. */
+/** What the server takes as a name: 1 to 16 letters, digits (of any script) and underscores. */
 export function isValidName(name) {
-  return /^[A-Za-z0-9_]{1,16}$/.test(name);
+  return /^[\p{L}\p{N}_][\p{L}\p{N}\p{M}_]{0,15}$/u.test(name) && !/\p{Default_Ignorable_Code_Point}/u.test(name);
 }
 
 /** The dialog for a sign-up that did not work. `reply` is the server's, or has a status word of the page's own. */
@@ -17,13 +17,13 @@ export function loginDialog(reply) {
     case "UNAVAILABLE":
       return { kind: "info", title: "Name taken", text: `“${reply.user}” is playing already. Please choose another name.` };
     case "NO_ROBOTS":
-      return {
-        kind: "warning",
-        title: "No robots at this time",
-        text: "Every robot has a driver. Try again when one is free.",
-      };
+      return { kind: "info", title: "The queue is full", text: "Too many people wait for a robot. Try again in some minutes." };
     case "ROBOT_UNAVAILABLE":
-      return { kind: "error", title: "Robot lost", text: `Robot ${reply.robot} has just become unavailable. Try again.` };
+      return {
+        kind: "info",
+        title: `Robot ${reply.robot} is not free`,
+        text: "Somebody was faster, or others wait for a robot. Choose another one, or any robot.",
+      };
     case "NO_STORAGE":
       return {
         kind: "error",
@@ -32,6 +32,8 @@ export function loginDialog(reply) {
       };
     case "NO_ANSWER":
       return { kind: "error", title: "No answer", text: "The server does not answer. Check the network and try again." };
+    case "ERROR":
+      return { kind: "warning", title: "That does not work", text: reply.error ?? reply.body };
     default:
       return { kind: "error", title: "Unknown error", text: reply.error ?? reply.body };
   }

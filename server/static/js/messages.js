@@ -8,12 +8,17 @@
  * @property {boolean} ready
  * @property {number} avatar 0 to 4
  * @property {number} place in a result: 1 is the winner, ties share a place
+ * @property {number} seat_left s until the robot passes on to others unless the player gets ready; 0: it stays
  * @property {boolean} left in a result: gone before the end
  *
  * @typedef {object} Status
  * @property {0|1|2} game stopped, countdown, playing
  * @property {number} timeLeft s to the start or to the time limit
+ * @property {boolean} paused by the operator: the clock stands
+ * @property {string} message the operator's words for all screens; empty without any
  * @property {number} battle number of the battle, or UNKNOWN_BATTLE
+ * @property {boolean} practice whether players may drive while it is stopped
+ * @property {number} queue how many people wait for a robot
  * @property {string} notice why the last countdown or battle ended
  * @property {Player[]} users best first
  * @property {Player[]} result the last battle, best first
@@ -27,8 +32,12 @@ export function fromTopic(message) {
   return {
     game: message.game,
     timeLeft: message.time_left,
+    paused: message.paused,
+    message: message.message,
     battle: message.battle,
     notice: message.notice,
+    practice: message.practice,
+    queue: message.queue.length,
     users: message.users,
     result: message.result,
   };
@@ -45,8 +54,12 @@ export function fromReply(reply, previous) {
   return {
     game: reply.game,
     timeLeft: reply.timeLeft,
+    paused: previous?.paused ?? false,
+    message: previous?.message ?? "",
     battle: previous?.battle ?? UNKNOWN_BATTLE,
     notice: previous?.notice ?? "",
+    practice: previous?.practice ?? false,
+    queue: previous?.queue ?? 0,
     users: JSON.parse(reply.users).map((user) => ({
       name: user.name,
       robot: user.robot,
@@ -54,6 +67,7 @@ export function fromReply(reply, previous) {
       ready: user.ready === 1,
       avatar: pictures.get(user.name) ?? 0,
       place: 0,
+      seat_left: 0,
       left: false,
     })),
     result: reply.game === 0 ? (previous?.result ?? []) : [],

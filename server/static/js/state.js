@@ -8,6 +8,8 @@ export const STOPPED = 0;
 export const COUNTDOWN = 1;
 export const PLAYING = 2;
 
+const WARNING = 30; // s before the robot passes on to others
+
 /**
  * Where this player stands; also the name of the stage's look.
  * @param {Status} status
@@ -32,14 +34,27 @@ export function findUser(status, name) {
 
 /** Whether this player's commands count now. */
 export function mayDrive(status, name) {
-  return phaseOf(status, name) === "playing";
+  if (status.paused) return false;
+  const practising = status.practice && status.game === STOPPED && findUser(status, name) !== null;
+  return practising || phaseOf(status, name) === "playing";
 }
 
-/** The line beside "Game Status:" and the smaller one below it. */
-export function gameText(status, name) {
+/**
+ * The line beside "Game Status:" and the smaller one below it.
+ * @param {string} refusal why this player's commands are refused now, for people
+ */
+export function gameText(status, name, refusal = "") {
+  if (status.paused && findUser(status, name)) {
+    return { text: "Paused by the operator", hint: "The clock stands and no robot moves. The game goes on soon." };
+  }
   const seconds = Math.ceil(status.timeLeft);
+  const seatLeft = Math.ceil(findUser(status, name)?.seat_left ?? 0);
+  if (seatLeft > 0 && seatLeft <= WARNING) {
+    return { text: "Press ready!", hint: `Others wait: in ${seatLeft} s your robot passes on.` };
+  }
   switch (phaseOf(status, name)) {
     case "idle":
+      if (status.practice) return { text: "Press ready to start!", hint: "Until the battle you can try out your robot." };
       return { text: "Press ready to start!", hint: status.notice || "The battle begins when two players are ready." };
     case "waiting":
       return { text: "Waiting for other players...", hint: status.notice || "One more ready player starts the countdown." };
@@ -50,6 +65,7 @@ export function gameText(status, name) {
     case "joinable":
       return { text: `${seconds} sec to start.`, hint: "Press ready to join this battle." };
     case "playing":
+      if (refusal) return { text: "Your robot does not obey", hint: refusal };
       return { text: "PLAY!", hint: "Hit the others, dodge their lasers." };
     case "out":
       return { text: "You are out: watch the others.", hint: "The ranking comes at the end of the battle." };
@@ -58,6 +74,15 @@ export function gameText(status, name) {
     default:
       return { text: "Looking for your robot...", hint: "" };
   }
+}
+
+/** Why rosbridge refuses the commands of a player in a battle, for people. `reason` is rosbridge's. */
+export function refusalText(reason) {
+  if (reason.includes("only signed-in players")) {
+    return "This page is not signed in to it. The page tries again; if that does not help, reload it.";
+  }
+  if (reason.includes("referee")) return "The referee is silent, so all robots stand still. Wait a moment.";
+  return `Its commands are refused: ${reason}.`;
 }
 
 /** Seconds as a clock, "4:05". */
@@ -130,7 +155,7 @@ export function ranking(result, name) {
 export function announcement(previous, current, name) {
   const phase = phaseOf(current, name);
   if (!phase) return "";
-  if (!previous || phaseOf(previous, name) !== phase) {
+  if (!previous || phaseOf(previous, name) !== phase || previous.paused !== current.paused) {
     const { text, hint } = gameText(current, name);
     return `${text} ${hint}`.trim();
   }

@@ -17,13 +17,18 @@ export function showPlayer({ name, robot, avatar, date }) {
   }
 }
 
-/** Everything that depends on the state of the battle. */
-export function showStatus(status, name) {
+/** Everything that depends on the state of the battle; `refusal` is why commands are refused now, for people. */
+export function showStatus(status, name, refusal) {
   const phase = state.phaseOf(status, name);
-  const { text, hint } = state.gameText(status, name);
+  const { text, hint } = state.gameText(status, name, refusal);
   document.body.dataset.phase = phase ?? "idle";
+  document.body.dataset.paused = status.paused;
+  const message = byId("message");
+  message.hidden = status.message === "";
+  setText(message, status.message);
   setText(byId("game-status"), text);
   setText(byId("game-hint"), hint);
+  document.querySelector(".hud").classList.toggle("is-refused", Boolean(refusal));
   showClock(status);
   showCountdown(status);
   showReadyButton(state.readyButton(status, name));

@@ -3,13 +3,16 @@
 import json
 import re
 import signal
-from collections.abc import Callable, Iterator
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 import pytest
 import requests
 
+from server.game.robot import HIT_INTERVAL
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import Program
@@ -23,7 +26,8 @@ PEERS = "tests.integration.server.peers"
 class GameServer:
     """`python -m server.main`; it and its peers end with the test."""
 
-    def __init__(self, master: RosMaster, data: Path, **variables: str) -> None:
+    def __init__(self, master: RosMaster, data: Path, within: Sequence[str], **variables: str) -> None:
+        self._within = within
         self.port = free_port()
         self.url = f"http://{HOST}:{self.port}"
         self._peers_env = master.env
@@ -39,7 +43,7 @@ class GameServer:
 
     def launch(self) -> Program:
         """Start (again) without waiting for anything."""
-        self.program = self._keep(Program.python("server.main", env=self._env))
+        self.program = self._keep(Program([*self._within, sys.executable, "-m", "server.main"], env=self._env))
         return self.program
 
     def wait_until_serving(self) -> None:
@@ -49,7 +53,16 @@ class GameServer:
         return self._keep(Program.python(PEERS, *words, env=self._peers_env))
 
     def robot(self, name: str) -> "RobotPeer":
-        return RobotPeer(self.peer("robot", name, self.url))
+        """A robot that registers, and can be driven soon."""
+        robot = RobotPeer(self.peer("robot", name, self.url))
+        if name != "-":
+            until(lambda: self.is_linked(robot.id), 10, f"the server has seen robot {robot.id} on its topics")
+        return robot
+
+    def is_linked(self, robot_id: int) -> bool:
+        """Whether the server says that the robot can be driven."""
+        said = re.findall(rf"robot {robot_id} is (on its|not on its|gone)", self.program.output)
+        return bool(said) and said[-1] == "on its"
 
     def listener(self) -> "StatusPeer":
         return StatusPeer(self.peer("status"))
@@ -99,6 +112,7 @@ class RobotPeer:
 
     def __init__(self, program: Program) -> None:
         self.program = program
+        self._next_hit = 0.0
         self.wait_for_registration(1)
 
     def wait_for_registration(self, times: int) -> None:
@@ -114,6 +128,9 @@ class RobotPeer:
         return self.ids[-1]
 
     def hit(self) -> None:
+        """Not sooner after the last one than the firmware reports it."""
+        until(lambda: time.monotonic() >= self._next_hit)
+        self._next_hit = time.monotonic() + HIT_INTERVAL
         self.program.process.send_signal(signal.SIGUSR1)
 
     def vanish(self) -> None:
@@ -146,11 +163,12 @@ class StatusPeer:
 
 @pytest.fixture
 def launch(ros_master: RosMaster, tmp_path: Path) -> Iterator[Callable[..., GameServer]]:
-    """Start servers with these LASERBOT_ variables at the module's master, or at `master`."""
+    """Start servers with these LASERBOT_ variables at the module's master, or at `master`; `within` is the beginning of
+    the command, such as nsenter and its options."""
     servers: list[GameServer] = []
 
-    def start(master: RosMaster = ros_master, **variables: str) -> GameServer:
-        servers.append(GameServer(master, tmp_path / "data", **variables))
+    def start(master: RosMaster = ros_master, within: Sequence[str] = (), **variables: str) -> GameServer:
+        servers.append(GameServer(master, tmp_path / "data", within, **variables))
         return servers[-1]
 
     yield start

@@ -1,13 +1,17 @@
 """ROS nodes for the tests, each a process of its own because rospy knows only one node per process.
 
-python -m tests.integration.server.peers robot NAME URL   registers (NAME "-": without a node name), pings URL; each
-                                                          SIGUSR1 is a hit
+python -m tests.integration.server.peers robot NAME URL   registers (NAME "-": without a node name), pings URL; is on
+                                                          its topics (but "-"); each SIGUSR1 is a hit
 python -m tests.integration.server.peers status           prints /game_status, one JSON object a line
 python -m tests.integration.server.peers crowd            registers nameless robots until the server refuses
+python -m tests.integration.server.peers register FROM TO [KEY]   registers robots with these numbers as names
 python -m tests.integration.server.peers hit ID           reports one hit of robot ID, registered or not
+python -m tests.integration.server.peers positions        tells where robots 0 and 1 are: on a floor of 2 m x 1 m, 0
+                                                          drives to and fro along x, 1 stands in its corner
 """
 
 import json
+import math
 import signal
 import sys
 import time
@@ -17,7 +21,7 @@ import requests
 import rospy
 from std_msgs.msg import Empty
 
-from laser_bot_battle.msg import GameStatus, UserStatus
+from laser_bot_battle.msg import GameStatus, Positions, Robot_msg, RobotPosition, UserStatus
 from laser_bot_battle.srv import AddNewRobot
 
 
@@ -32,13 +36,19 @@ def robot(name: str, url: str) -> None:
         except rospy.ServiceException:  # the master still names a server that has just been killed
             time.sleep(0.1)
             continue
-        publisher = rospy.Publisher(f"/Robot{robot_id}/response", Empty, queue_size=10) if name != "-" else None
+        publisher = join_topics(robot_id) if name != "-" else None
         signal.signal(signal.SIGUSR1, lambda *_, hits=publisher: hits.publish(Empty()))
         while publisher is not None and publisher.get_num_connections() == 0:
             time.sleep(0.01)
         print("registered", robot_id, flush=True)
         while ping(url, robot_id):
             time.sleep(0.4)
+
+
+def join_topics(robot_id: int) -> rospy.Publisher:
+    """As the serial node of a robot does."""
+    rospy.Subscriber(f"/Robot{robot_id}/command", Robot_msg, lambda _: None)
+    return rospy.Publisher(f"/Robot{robot_id}/response", Empty, queue_size=10)
 
 
 def ping(url: str, robot_id: int) -> bool:
@@ -74,6 +84,22 @@ def crowd() -> None:
         print("refused after", json.dumps(ids), error, flush=True)
 
 
+def register(first: str, last: str, key: str = "") -> None:
+    """`key` is the digest. These say their address themselves, which nobody must believe."""
+    rospy.wait_for_service("/add_new_robot")
+    ids: list[int | None] = []
+    for number in range(int(first), int(last)):
+        headers = {"callerid": f"/id_service_client_{number}", "laserbot_peer": "9.9.9.9"}
+        if key:
+            headers["laserbot_key"] = key
+        try:
+            ids.append(rospy.ServiceProxy("/add_new_robot", AddNewRobot, headers=headers)().ID)
+        except rospy.ServiceException as error:
+            print("refused:", error, flush=True)
+            ids.append(None)
+    print("ids", json.dumps(ids), flush=True)
+
+
 def hit(robot_id: str) -> None:
     rospy.init_node("peer_hit", anonymous=True)
     publisher = rospy.Publisher(f"/Robot{robot_id}/response", Empty, queue_size=10, latch=True)
@@ -82,7 +108,24 @@ def hit(robot_id: str) -> None:
     rospy.spin()
 
 
+def positions() -> None:
+    rospy.init_node("peer_positions", anonymous=True)
+    publisher = rospy.Publisher("/positions", Positions, queue_size=1)
+    while not rospy.is_shutdown():
+        x = 1 + 0.8 * math.sin(time.monotonic())
+        robots = [RobotPosition(0, x, 0.5, 0.0), RobotPosition(1, 1.9, 0.9, math.pi)]
+        publisher.publish(Positions(2.0, 1.0, [0, 0, 2, 0, 1, 0, 1, 0.3], robots))
+        time.sleep(0.1)
+
+
 if __name__ == "__main__":
     role, *words = sys.argv[1:]
-    roles: dict[str, Callable[..., None]] = {"robot": robot, "status": status, "crowd": crowd, "hit": hit}
+    roles: dict[str, Callable[..., None]] = {
+        "robot": robot,
+        "status": status,
+        "crowd": crowd,
+        "register": register,
+        "hit": hit,
+        "positions": positions,
+    }
     roles[role](*words)

@@ -28,7 +28,7 @@ def test_it_waits_for_the_master_and_serves_only_then(launch, own_master):
     assert not listening(server.port)
     own_master.start()
     server.wait_until_serving()
-    assert server.post("getAvailableRobots") == {"availableR": 0, "status": "OK"}
+    assert server.post("getAvailableRobots") == {"availableR": 0, "message": "", "robots": [], "status": "OK"}
 
 
 def test_it_can_be_ended_while_it_waits_for_the_master(launch, own_master):

@@ -2,6 +2,8 @@
 
 import json
 import socket
+import sqlite3
+from contextlib import closing
 from urllib.parse import urlsplit
 
 import pytest
@@ -14,25 +16,32 @@ def available(server) -> int:
     return server.post("getAvailableRobots")["availableR"]
 
 
-def roster(tmp_path) -> dict[str, int]:
-    return json.loads((tmp_path / "data" / "robots.json").read_text())
+def kept(tmp_path) -> dict[str, int]:
+    """The IDs in the database, as soon as there are any."""
+
+    def read() -> dict[str, int]:
+        with closing(sqlite3.connect(tmp_path / "data" / "laserbot.db")) as database:
+            return dict(database.execute("SELECT caller, robot FROM robots").fetchall())
+
+    return until(read, 5)
 
 
-def test_robots_get_the_lowest_free_ids_and_are_available(server):
+def test_robots_get_the_lowest_free_ids_and_are_available_soon_after_they_are_on_their_topics(server):
     assert available(server) == 0
     assert [server.robot(name).id for name in ("a", "b", "-")] == [0, 1, 2]
-    assert available(server) == 3
+    until(lambda: available(server) == 2, 3)
+    assert server.post("signUpUser", data="cy", robot=2)["status"] == "ROBOT_UNAVAILABLE", "no node drives it"
 
 
 def test_a_robot_gets_its_id_back_after_a_restart_of_the_server(server, tmp_path):
     first, second = server.robot("a"), server.robot("b")
     assert (first.id, second.id) == (0, 1)
-    assert roster(tmp_path) == {"/id_service_client_a": 0, "/id_service_client_b": 1}
+    until(lambda: kept(tmp_path) == {"/id_service_client_a": 0, "/id_service_client_b": 1}, 5)
     first.vanish()
     server.program.kill()
     server.launch()
     server.wait_until_serving()
-    second.wait_for_registration(2)
+    until(lambda: available(server) == 1, 10, "the other one is still there")
     assert second.id == 1
     assert server.robot("a").id == 0
 
@@ -48,12 +57,16 @@ def test_a_robot_that_restarts_at_once_keeps_its_player(server):
     assert json.loads(ada.post("updateGameStatus")["users"])[0]["name"] == "ada"
 
 
-def test_an_operators_roster_is_obeyed(launch, tmp_path):
+def test_the_ids_that_an_older_version_has_kept_in_a_file_are_taken_over_once(launch, tmp_path):
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "robots.json").write_text('{"/id_service_client_a": 7}')
     server = launch()
     server.wait_until_serving()
     assert server.robot("b").id == 0
+    assert (tmp_path / "data" / "robots.json.imported").exists()
+    server.program.kill()
+    server.launch()
+    server.wait_until_serving()
     assert server.robot("a").id == 7
 
 
@@ -71,14 +84,14 @@ def test_a_robot_that_seems_to_be_a_fixed_one_is_told_how_to_become_it(launch):
     until(lambda: "set LASERBOT_ROBOT_NAME=a on it" in server.program.output)
 
 
-def test_a_broken_roster_is_kept_aside_and_robots_start_afresh(launch, tmp_path):
+def test_a_broken_file_of_ids_is_kept_aside_and_robots_start_afresh(launch, tmp_path):
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "robots.json").write_text('{"/id_service_client_a": ')
     server = launch()
     server.wait_until_serving()
     assert "robots.json is broken" in server.program.output
     assert server.robot("b").id == 0
-    assert roster(tmp_path) == {"/id_service_client_b": 0}
+    assert kept(tmp_path) == {"/id_service_client_b": 0}
     assert (tmp_path / "data" / "robots.json.broken").exists()
 
 
@@ -89,7 +102,7 @@ def test_the_129th_robot_is_refused_in_words(server):
     ids, error = json.loads(text[text.index("[") : text.index("]") + 1]), text
     assert ids == list(range(128))
     assert "no ID left" in error
-    assert available(server) == 128
+    assert available(server) == 0
     assert "Traceback" not in server.program.output
 
 

@@ -8,7 +8,9 @@ import { message } from "./samples.js";
 
 const FORWARD = { linear_x: 1, angular_z: 0, shoot: false };
 
-let server, port, heard, statuses, changes, connection;
+const TICKET = { user: "al", ticket: "12.ab" };
+
+let server, port, heard, statuses, changes, refusals, connection;
 
 /** A rosbridge that keeps what it hears and answers a subscription with one state. */
 async function listen() {
@@ -39,16 +41,28 @@ async function until(condition, what) {
 
 const operations = (op) => heard.filter((operation) => operation.op === op);
 
-beforeEach(async () => {
-  [port, heard, statuses, changes] = [undefined, [], [], []];
-  await listen();
+/** A started connection whose page gets its tickets from `getTicket`. */
+async function connect(getTicket = async () => TICKET) {
+  connection?.stop();
+  [heard, statuses, changes, refusals] = [[], [], [], []];
   connection = new Connection({
     url: `ws://127.0.0.1:${port}`,
     onStatus: (status) => statuses.push(status),
     onChange: (up) => changes.push(up),
+    onRefusal: (reason) => refusals.push(reason),
+    getTicket,
   });
   connection.start();
   await until(() => statuses.length > 0, "the state");
+}
+
+const signedIn = () => until(() => operations("auth").length > 0, "the ticket");
+
+beforeEach(async () => {
+  port = undefined;
+  await listen();
+  await connect();
+  await signedIn();
 });
 
 afterEach(async () => {
@@ -82,7 +96,7 @@ test("the next battle advertises anew", async () => {
   connection.unadvertise();
   connection.publish(3, FORWARD);
   await until(() => operations("publish").length === 2, "two commands");
-  assert.deepEqual(heard.map(({ op }) => op).slice(1), ["advertise", "publish", "unadvertise", "advertise", "publish"]);
+  assert.deepEqual(heard.map(({ op }) => op).slice(2), ["advertise", "publish", "unadvertise", "advertise", "publish"]);
 });
 
 test("a lost connection comes back by itself, and what was commanded meanwhile is never played", async () => {
@@ -95,6 +109,7 @@ test("a lost connection comes back by itself, and what was commanded meanwhile i
   heard.length = 0;
   await listen();
   await until(() => connection.up, "the return");
+  await signedIn();
   assert.ok(connection.publish(3, NEUTRAL));
   await until(() => operations("publish").length === 1, "a command");
   assert.deepEqual(operations("publish")[0].msg, NEUTRAL);
@@ -114,6 +129,39 @@ test("while commands pile up in front of the network, further ones are dropped a
   assert.ok(connection.publish(3, NEUTRAL));
   await until(() => operations("publish").length === sent + 1, "what was sent");
   assert.deepEqual(operations("publish").at(-1).msg, NEUTRAL);
+});
+
+test("the page says whose it is before the first command", async () => {
+  let give;
+  await connect(() => new Promise((resolve) => (give = resolve)));
+  assert.equal(connection.publish(3, FORWARD), false);
+  give(TICKET);
+  await until(() => connection.publish(3, FORWARD), "the ticket");
+  await until(() => operations("publish").length > 0, "the command");
+  assert.deepEqual(heard.map(({ op }) => op).slice(0, 4), ["subscribe", "auth", "advertise", "publish"]);
+  assert.deepEqual([operations("auth")[0].client, operations("auth")[0].mac], [TICKET.user, TICKET.ticket]);
+});
+
+test("commands do not wait for a web server that is away: the cookie may do", async () => {
+  for (const none of [async () => null, () => Promise.reject(new Error("no answer")), () => new Promise(() => {})]) {
+    await connect(none);
+    await until(() => connection.publish(3, FORWARD), "a command without a ticket");
+    await until(() => operations("publish").length > 0, "the command");
+    assert.deepEqual(operations("auth"), []);
+  }
+});
+
+test("a refused command is told, and no other status", async () => {
+  const say = (fields) => [...server.clients][0].send(JSON.stringify({ op: "status", level: "error", ...fields }));
+  say({ msg: "no player has this name" });
+  say({ msg: "only operators may subscribe", id: "subscribe:/x:1" });
+  say({ msg: "fine", level: "info", id: "publish:/Robot3/command:7" });
+  say({ msg: "not yours", id: "advertise:/Robot3/command:6" });
+  say({ msg: "dead", id: "publish:/Robot3/command:7" });
+  await until(() => refusals.length > 0 && refusals.at(-1) === "dead", "the refusals");
+  assert.deepEqual(refusals, ["not yours", "dead"]);
+  await connection.signIn();
+  await until(() => operations("auth").length === 2, "another try");
 });
 
 test("a stopped connection stays down", async () => {

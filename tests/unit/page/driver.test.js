@@ -27,18 +27,23 @@ function taken() {
   return sent.splice(0);
 }
 
-beforeEach(() => {
-  now = 0;
-  timers = new Set();
-  sent = [];
-  driver = new Driver({
+function makeDriver(interval) {
+  return new Driver({
     send: (command) => sent.push([now, command]),
     every: (ms, act) => {
       const timer = { ms, act, at: now + ms };
       timers.add(timer);
       return () => timers.delete(timer);
     },
+    interval,
   });
+}
+
+beforeEach(() => {
+  now = 0;
+  timers = new Set();
+  sent = [];
+  driver = makeDriver();
 });
 
 test("a stop opens the driving, then there is silence", () => {
@@ -54,6 +59,15 @@ test("a press is sent at once and repeated every 25 ms while held", () => {
   driver.hold("KeyW", ["up"]);
   pass(60);
   assert.deepEqual(taken(), [[7, FORWARD], [32, FORWARD], [57, FORWARD]]);
+});
+
+test("the interval of the repeats can be chosen", () => {
+  driver = makeDriver(50);
+  driver.start();
+  taken();
+  driver.hold("KeyW", ["up"]);
+  pass(110);
+  assert.deepEqual(taken(), [[0, FORWARD], [50, FORWARD], [100, FORWARD]]);
 });
 
 test("a release sends one stop at once, then silence", () => {

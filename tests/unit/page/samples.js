@@ -3,12 +3,13 @@
 import { fromTopic } from "../../../server/static/js/messages.js";
 
 export const player = (name, values = {}) => ({
-  name, robot: 0, life: 100, ready: false, avatar: 0, place: 0, left: false, session: "", ...values,
+  name, robot: 0, life: 100, ready: false, avatar: 0, place: 0, seat_left: 0, left: false, session: "", ...values,
 });
 
 /** A laser_bot_battle/GameStatus as rosbridge writes it. */
 export const message = (values = {}) => ({
-  game: 0, time_left: 0, battle: 0, notice: "", available_robots: 0, users: [], result: [], ...values,
+  game: 0, time_left: 0, battle: 0, notice: "", paused: false, message: "", available_robots: 0, practice: false, queue: [],
+  users: [], result: [], ...values,
 });
 
 export const status = (values) => fromTopic(message(values));

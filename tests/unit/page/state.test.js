@@ -32,6 +32,20 @@ test("in the battle the players play, the dead watch and the others wait", () =>
   assert.match(text({ game: 2 }).text, /started without you/);
 });
 
+test("who plays and is refused is told so in place of PLAY!, and why", () => {
+  const playing = status({ game: 2, users: [player("Ann", ready)] });
+  const refused = (reason) => state.gameText(playing, "Ann", state.refusalText(reason));
+  const reasons = {
+    "only signed-in players and operators may publish on /Robot3/command": /not signed in/,
+    "Ann may not drive: nothing heard from the referee": /referee is silent/,
+    "Ann may publish on /Robot1/command only, not /Robot3/command": /Robot1/,
+  };
+  for (const [reason, words] of Object.entries(reasons)) {
+    assert.equal(refused(reason).text, "Your robot does not obey");
+    assert.match(refused(reason).hint, words);
+  }
+});
+
 test("after the battle its players see that it is over until they are ready again", () => {
   const over = { result: [player("Ann", { place: 1 })], notice: "Battle over: Bob was shot down." };
   assert.deepEqual(text(over), { text: "Game over. Press ready to start again.", hint: "Battle over: Bob was shot down." });
@@ -56,6 +70,21 @@ test("only a ready and living player drives, and only in the battle", () => {
   assert.ok(!may(2, {}));
   assert.ok(!may(1, ready));
   assert.ok(!may(0, ready));
+});
+
+test("a pause is told to everybody, and nobody drives in it", () => {
+  for (const game of [0, 1, 2]) {
+    assert.equal(text({ game, paused: true, practice: true }, ready).text, "Paused by the operator");
+    assert.ok(!state.mayDrive(status({ game, paused: true, practice: true, users: [player("Ann", ready)] }), "Ann"));
+  }
+  assert.equal(state.gameText(status({ game: 2, paused: true }), "Ann").text, "Looking for your robot...");
+});
+
+test("a screen reader hears the pause and its end", () => {
+  const at = (paused) => status({ game: 2, paused, users: [player("Ann", ready)] });
+  assert.match(state.announcement(at(false), at(true), "Ann"), /Paused by the operator/);
+  assert.match(state.announcement(at(true), at(false), "Ann"), /PLAY!/);
+  assert.equal(state.announcement(at(true), at(true), "Ann"), "");
 });
 
 test("the ready button toggles while the game stands still", () => {
@@ -178,4 +207,17 @@ test("the connection says what is wrong, the server before the robot", () => {
   assert.equal(state.connectionState(true, false).level, "bad");
   assert.match(state.connectionState(false, false).banner, /server/);
   for (const web of [true, false]) assert.match(state.connectionState(false, web).text, /Reconnecting/);
+});
+
+test("who is not ready while others wait is warned in time", () => {
+  const hint = (left) => state.gameText(status({ users: [player("al", { seat_left: left })] }), "al").hint;
+  assert.match(hint(12.3), /in 13 s your robot passes on/);
+  assert.doesNotMatch(hint(55), /passes on/);
+  assert.doesNotMatch(hint(0), /passes on/);
+});
+
+test("where practice is allowed, one may drive without a battle, but not in a countdown or after death", () => {
+  const drives = (values) => state.mayDrive(status({ practice: true, users: [player("al", { ready: true, life: 0 })], ...values }), "al");
+  assert.deepEqual([drives({ game: 0 }), drives({ game: 1 }), drives({ game: 2 })], [true, false, false]);
+  assert.equal(state.mayDrive(status({ practice: true }), "al"), false);
 });

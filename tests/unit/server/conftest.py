@@ -1,10 +1,14 @@
 """A referee with a clock that the test moves, and a web application over a real battle."""
 
+import json
 from collections.abc import Callable, Iterator
 
 import pytest
 
-from server.game.referee import Referee, Rules, Verdict
+from server.game.referee import Referee, Verdict
+from server.game.robot import HIT_INTERVAL
+from server.game.rules import Rules
+from server.game.saved import restore
 from server.game.snapshot import Placing, Player, Snapshot
 
 
@@ -12,10 +16,17 @@ class Match:
     """Robots 0 to `robots`-1 registered at time 1000 s; sessions are named after the players."""
 
     def __init__(self, robots: int = 4, rules: Rules | None = None) -> None:
-        self.referee = Referee(rules or Rules())
+        self.rules = rules or Rules()
+        self.referee = Referee(self.rules)
         self.now = 1000.0
         for number in range(robots):
-            assert self.referee.add_robot(f"/id_service_client_{number}", self.now) == number
+            assert self.register(f"/id_service_client_{number}") == number
+
+    def register(self, caller: str) -> int | None:
+        """A robot comes, and is at once on its topics, as all others."""
+        robot_id = self.referee.add_robot(caller, self.now)
+        self.referee.robots_linked(self.state.robots, self.now)
+        return robot_id
 
     def sign_up(self, *names: str) -> None:
         for name in names:
@@ -37,8 +48,13 @@ class Match:
         assert self.state.game == 2
 
     def hit(self, name: str, times: int = 1) -> list[bool]:
+        """As fast as the firmware reports hits."""
         robot = self.player(name).robot
-        return [self.referee.hit(robot, self.now) for _ in range(times)]
+        counted = []
+        for _ in range(times):
+            self.now += HIT_INTERVAL
+            counted.append(self.referee.hit(robot, self.now))
+        return counted
 
     def wait(self, seconds: float, dead_robots: tuple[int, ...] = (), gone_pages: tuple[str, ...] = ()) -> None:
         """Let time pass in steps of 0.4 s, with pings of all robots and pages but these."""
@@ -51,6 +67,12 @@ class Match:
             for player in self.state.players:
                 if player.name not in gone_pages:
                     self.referee.seen(player.session, self.now)
+
+    def restart(self, pause: float = 0.0) -> None:
+        """Go on in another program, `pause` s later; its clock begins at 50 s."""
+        saved = json.loads(json.dumps(self.referee.saved(self.now)))
+        self.now = 50.0
+        self.referee = Referee(self.rules, restore(saved, {}, self.now, pause))
 
     @property
     def state(self) -> Snapshot:

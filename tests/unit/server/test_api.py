@@ -1,19 +1,33 @@
 """The HTTP API: exact bodies for good input, clear JSON errors for bad input, and no change of state by it."""
 
 import hashlib
+import io
 import json
 import threading
+import time
 from typing import Any
 
 import pytest
 
+from laser_bot_battle.names import is_session_ticket, key_digest
+from server.game import events
 from server.game.loop import GameLoop
-from server.game.referee import Referee, Rules
+from server.game.referee import Referee
+from server.game.rules import Rules
 from server.settings import Settings
 from server.web.app import create_app
+from tests.support.linked import add_linked_robot
 from tests.support.polling import until
 
-POST_ROUTES = ("/signUpUser", "/signOutUser", "/updateGameStatus", "/getAvailableRobots", "/playerReady", "/incAlive")
+POST_ROUTES = (
+    "/signUpUser",
+    "/signOutUser",
+    "/updateGameStatus",
+    "/getAvailableRobots",
+    "/playerReady",
+    "/incAlive",
+    "/takeRobot",
+)
 
 
 class Site:
@@ -22,7 +36,7 @@ class Site:
     def __init__(self, robots: int = 3, **rules: Any) -> None:
         self.battle = GameLoop(Referee(Rules(**rules)))
         for _ in range(robots):
-            self.battle.add_robot("/unnamed")
+            add_linked_robot(self.battle)
         self.app = create_app(self.battle, Settings.from_env({}))
 
     def browser(self):
@@ -140,7 +154,9 @@ def test_an_impossible_avatar_is_refused(site, browser, avatar):
     assert players(site) == []
 
 
-@pytest.mark.parametrize("name", ["", " ", "x" * 17, "a b", "a\n", "<img src=x onerror=alert(1)>", "ünï", "\x00", "[]"])
+@pytest.mark.parametrize(
+    "name", ["", " ", "x" * 17, "a b", "a\n", "<img src=x onerror=alert(1)>", "a\u202eb", "\x00", "[]"]
+)
 def test_a_bad_name_is_refused_and_leaves_no_trace(site, browser, name):
     response = browser.post("/signUpUser", data={"data": name})
     assert response.status_code == 400
@@ -150,6 +166,36 @@ def test_a_bad_name_is_refused_and_leaves_no_trace(site, browser, name):
     assert "Set-Cookie" not in response.headers
     assert players(site) == []
     assert site.battle.snapshot().available_robots == 3
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "operator",
+        "Admin",
+        "REFEREE",
+        "server",
+        "master",
+        "laserbot",
+        "everybody",
+        "nobody",
+        "robot0",
+        "Robot12",
+        "ｒｏｂｏｔ７",
+    ],
+)
+def test_a_reserved_name_is_refused(site, browser, name):
+    response = browser.post("/signUpUser", data={"data": name})
+    assert response.status_code == 400
+    assert body(response) == {
+        "error": f"the name {name} is reserved: choose another", "status": "ERROR", "user": name,
+    }  # fmt: skip
+    assert players(site) == []
+
+
+@pytest.mark.parametrize("name", ["robot", "robots", "robot1x", "operators", "admin_", "Bot1"])
+def test_a_name_that_only_looks_reserved_is_free(browser, name):
+    assert sign_up(browser, name)["status"] == "OK"
 
 
 def test_a_name_is_never_echoed_as_html(browser):
@@ -176,6 +222,56 @@ def test_many_sign_up_with_one_name_at_the_same_instant(site):
         thread.join()
     assert sorted(answers) == ["OK"] + ["UNAVAILABLE"] * 7
     assert players(site) == ["al"]
+
+
+@pytest.mark.parametrize(
+    ("peer", "headers"),
+    [
+        ("10.0.0.7", {}),
+        ("127.0.0.2", {}),
+        ("10.0.0.7", {"X-Forwarded-For": "127.0.0.1"}),  # which it says of itself
+        ("127.0.0.1", {"X-Forwarded-For": "9.9.9.9, 10.0.0.7"}),
+        ("127.0.0.1", {"X-Forwarded-For": "nonsense"}),
+        ("::1", {"X-Forwarded-For": "10.0.0.7"}),
+    ],
+)
+def test_an_address_signs_up_four_times_at_once_and_then_waits(peer, headers):
+    site = Site(robots=8)
+
+    def sign_up_from(name):
+        return site.browser().post(
+            "/signUpUser", data={"data": name}, headers=headers, environ_base={"REMOTE_ADDR": peer}
+        )
+
+    assert [body(sign_up_from(name))["status"] for name in "abcd"] == ["OK"] * 4
+    refused = sign_up_from("e")
+    assert refused.status_code == 429
+    assert refused.headers["Retry-After"] == "3"
+    assert body(refused) == {"error": "too many sign-ups from your address: again in 3 s", "status": "ERROR"}
+    assert "Set-Cookie" not in refused.headers
+    assert players(site) == ["a", "b", "c", "d"]
+    other = site.browser().post("/signUpUser", data={"data": "e"}, environ_base={"REMOTE_ADDR": "10.0.0.8"})
+    assert body(other)["status"] == "OK", "nobody else waits for it"
+
+
+def test_who_plays_on_this_machine_never_waits():
+    site = Site(robots=8)
+    assert [sign_up(site.browser(), name)["status"] for name in "abcdefgh"] == ["OK"] * 8
+
+
+def test_a_slip_in_the_name_costs_no_sign_up(site):
+    browser = site.browser()
+    for _ in range(10):
+        assert (
+            browser.post("/signUpUser", data={"data": ""}, environ_base={"REMOTE_ADDR": "10.0.0.7"}).status_code == 400
+        )
+    assert sign_up(browser, "al")["status"] == "OK"
+
+
+def test_one_visitor_has_one_robot(site, browser):
+    for name in ("al", "bo", "cy"):
+        assert sign_up(browser, name)["status"] == "OK"
+    assert players(site) == ["cy"]
 
 
 # signOutUser
@@ -297,15 +393,35 @@ def test_status_counts_down_from_15_in_whole_seconds(site):
 
 
 def test_available_robots(browser):
-    assert browser.post("/getAvailableRobots", data={"data": ""}).text == '{"availableR": 3, "status": "OK"}'
+    everything = '{"availableR": 3, "message": "", "robots": [0, 1, 2], "status": "OK"}'
+    assert browser.post("/getAvailableRobots", data={"data": ""}).text == everything
     sign_up(browser, "al")
-    assert body(browser.post("/getAvailableRobots")) == {"availableR": 2, "status": "OK"}
+    free = {"availableR": 2, "message": "", "robots": [1, 2], "status": "OK"}
+    assert body(browser.post("/getAvailableRobots")) == free
 
 
 def test_pings_of_known_and_unknown_robots(browser):
     assert browser.post("/incAlive", data={"ID": "2"}).text == '{"status": "OK"}'
     for unknown in ("3", "-1", "128", "999999999"):
         assert browser.post("/incAlive", data={"ID": unknown}).text == '{"status": "ERROR"}'
+
+
+def test_a_ping_without_the_robots_key_changes_nothing(site, browser):
+    site.battle.add_robot("/keyed", key=key_digest("secret"))
+    for fields in ({}, {"key": ""}, {"key": "guess"}, {"key": "x" * 10_000}):
+        response = browser.post("/incAlive", data={"ID": "3", **fields})
+        assert response.status_code == 403
+        assert body(response) == {"error": "only that robot can say that it is alive", "status": "ERROR"}
+    assert browser.post("/incAlive", data={"ID": "3", "key": "secret"}).text == '{"status": "OK"}'
+
+
+def test_a_ping_from_another_address_than_the_robots_changes_nothing(site, browser):
+    site.battle.add_robot("/original", address="10.0.0.7")
+    here, there = ({"REMOTE_ADDR": address} for address in ("10.0.0.7", "10.0.0.8"))
+    assert browser.post("/incAlive", data={"ID": "3"}, environ_base=there).status_code == 403
+    assert browser.post("/incAlive", data={"ID": "3"}, environ_base=here).text == '{"status": "OK"}'
+    forged = {"X-Forwarded-For": "10.0.0.7"}
+    assert browser.post("/incAlive", data={"ID": "3"}, environ_base=there, headers=forged).status_code == 403
 
 
 @pytest.mark.parametrize("robot_id", ["", "x", "1.0", " 1 ", "١", "0x1", "1e3", "+1", "--1", "1\n", "9" * 5000, "None"])
@@ -318,7 +434,12 @@ def test_an_id_that_is_no_integer_is_refused(browser, robot_id):
 def test_session_tells_the_page_who_it_is(site, browser):
     assert browser.get("/session").text == '{"status": "UNREGISTERED"}'
     sign_up(browser, "al")
-    assert browser.get("/session").text == '{"robot": 0, "status": "OK", "user": "al"}'
+    answer = body(browser.get("/session"))
+    ticket = answer.pop("ticket")
+    assert answer == {"robot": 0, "status": "OK", "user": "al"}
+    digest, now = site.battle.snapshot().players[0].session, time.time()
+    assert [is_session_ticket(ticket, digest, now + later) for later in (0, 58, 61)] == [True, True, False]
+    assert not is_session_ticket(ticket, "0" * 64, now)
     assert site.browser().get("/session").text == '{"status": "UNREGISTERED"}'
 
 
@@ -378,6 +499,122 @@ def test_a_form_on_another_site_is_refused(site, browser, route, origin):
     assert players(site) == []
 
 
+# The fields of each route, as an honest client sends them for a player in a seat.
+GOOD = {
+    "/signUpUser": {"data": "bo", "avatar": "0", "robot": "1", "wait": "1"},
+    "/signOutUser": {"data": "al"},
+    "/playerReady": {"user": "al", "ready": "1"},
+    "/incAlive": {"ID": "0", "key": "k"},
+    "/takeRobot": {},
+    "/updateGameStatus": {},
+    "/getAvailableRobots": {},
+}
+FIELDS = [(route, field) for route, fields in GOOD.items() for field in fields]
+REQUIRED = [("/signUpUser", "data"), ("/signOutUser", "data"), ("/playerReady", "user"), ("/playerReady", "ready")]
+REQUIRED += [("/incAlive", "ID")]
+NONSENSE = ["", " ", "\x00", "a\r\nSet-Cookie: x=y", "\x1b[2J", "<script>alert(1)</script>", "{}", "[]", "+1", "-"]
+NONSENSE += ["1.5", "a b", "9" * 5000, "\u202e", "\ufffd", "../..", "' OR 1=1 --", "x" * 15_000]
+
+
+@pytest.fixture
+def seated(site):
+    """A site on which al has a seat, and al's browser."""
+    al = site.browser()
+    sign_up(al, "al")
+    return site, al
+
+
+def state(site):
+    """All that a request could change, but for the time."""
+    snapshot = site.battle.snapshot()
+    return snapshot, [robot.alive_at for robot in site.battle._referee._state.robots]
+
+
+@pytest.mark.parametrize("value", NONSENSE)
+@pytest.mark.parametrize(("route", "field"), FIELDS)
+def test_nonsense_in_any_field_changes_nothing(seated, route, field, value):
+    """Also from who has the right to ask. An answer that is no error says that there is no such thing."""
+    site, al = seated
+    site.battle.add_robot("/keyed", key=key_digest("k"))
+    fields = {**GOOD[route], "ID": "3", field: value} if route == "/incAlive" else {**GOOD[route], field: value}
+    before = state(site)
+    response = al.post(route, data=fields)
+    assert response.status_code in {200, 400, 403}
+    content = json.loads(response.text)
+    assert "<" not in response.text
+    assert content["status"] in {"UNREGISTERED", "ERROR"} if response.status_code == 200 else content["error"]
+    assert "Set-Cookie" not in response.headers
+    assert state(site) == before
+
+
+@pytest.mark.parametrize(("route", "field"), REQUIRED)
+def test_without_a_required_field_nothing_changes(seated, route, field):
+    site, al = seated
+    before = state(site)
+    response = al.post(route, data={name: value for name, value in GOOD[route].items() if name != field})
+    assert response.status_code == 400
+    assert body(response) == {"error": f"the form field {field} is missing", "status": "ERROR"}
+    assert state(site) == before
+
+
+@pytest.mark.parametrize("route", POST_ROUTES)
+def test_ten_megabytes_and_other_types_change_nothing(seated, route):
+    site, al = seated
+    before = state(site)
+    assert al.post(route, data={"data": "x" * 10_000_000}).status_code == 413
+    assert body(al.post(route, data={"data": "x" * 10_000_000}))["status"] == "ERROR"
+    if GOOD[route]:
+        for kind in ("application/json", "text/plain", "application/octet-stream"):
+            assert al.post(route, data=json.dumps(GOOD[route]), content_type=kind).status_code == 400
+        assert al.post(route, query_string=GOOD[route]).status_code == 400, "fields in the address are none"
+        with_file = {name: (io.BytesIO(value.encode()), "file") for name, value in GOOD[route].items()}
+        assert al.post(route, data=with_file, content_type="multipart/form-data").status_code == 400
+    assert state(site) == before
+
+
+@pytest.mark.parametrize("method", ["GET", "PUT", "DELETE", "PATCH", "FOO"])
+@pytest.mark.parametrize("route", POST_ROUTES)
+def test_other_methods_change_nothing(seated, route, method):
+    site, al = seated
+    before = state(site)
+    response = al.open(route, method=method, query_string=GOOD[route])
+    assert response.status_code == 405
+    assert "POST" in response.headers["Allow"]
+    assert state(site) == before
+
+
+@pytest.mark.parametrize("cookie", [None, "", "x", "x" * 4000, "another's"])
+@pytest.mark.parametrize("route", ["/signOutUser", "/playerReady"])
+def test_another_session_changes_nothing(seated, route, cookie):
+    site, _ = seated
+    eve = site.browser()
+    if cookie == "another's":
+        sign_up(eve, "eve")
+    elif cookie is not None:
+        eve.set_cookie("laserbot_session", cookie)
+    before = state(site)
+    response = eve.post(route, data=GOOD[route])
+    assert response.status_code == 403
+    assert body(response)["error"]
+    assert state(site) == before
+
+
+def test_at_the_wrong_moment_nothing_changes():
+    site = Site(robots=2, countdown=0.1)
+    al, bo = site.browser(), site.browser()
+    for browser, name in ((al, "al"), (bo, "bo")):
+        sign_up(browser, name)
+        browser.post("/playerReady", data={"user": name, "ready": "1"})
+    until(lambda: site.battle.snapshot().game == 2)
+    before = state(site)
+    assert body(al.post("/playerReady", data={"user": "al", "ready": "0"})) == {"status": "STARTED"}
+    assert body(al.post("/takeRobot"))["status"] == "OK", "which al has"
+    assert body(site.browser().post("/takeRobot")) == {"status": "UNREGISTERED"}
+    assert sign_up(site.browser(), "cy") == {"status": "NO_ROBOTS", "user": "cy"}
+    assert sign_up(site.browser(), "al", robot="1") == {"status": "UNAVAILABLE", "user": "al"}
+    assert state(site) == before
+
+
 def test_the_own_page_is_not_another_site(browser):
     response = browser.post("/signUpUser", data={"data": "al"}, headers={"Origin": "http://localhost"})
     assert body(response)["status"] == "OK"
@@ -386,15 +623,82 @@ def test_the_own_page_is_not_another_site(browser):
 def test_any_request_with_the_session_is_a_sign_of_life():
     now = [100.0]
     battle = GameLoop(Referee(Rules(robot_timeout=1000.0)), clock=lambda: now[0])
-    battle.add_robot("/a")
+    add_linked_robot(battle)
     browser = create_app(battle, Settings.from_env({})).test_client()
     stranger = create_app(battle, Settings.from_env({})).test_client()
     browser.post("/signUpUser", data={"data": "al"})
     for _ in range(4):
-        now[0] += 10
+        now[0] += 40
         browser.post("/updateGameStatus")
-    now[0] += 14
+    now[0] += 59
     stranger.post("/updateGameStatus")
     assert body(browser.get("/session"))["status"] == "OK"
-    now[0] += 15.1
+    now[0] += 60.1
     assert body(browser.get("/session"))["status"] == "UNREGISTERED"
+
+
+def test_a_name_is_the_same_however_its_letters_are_coded(site, browser):
+    assert body(browser.post("/signUpUser", data={"data": "Jo\u0308rg"}))["user"] == "Jörg"
+    assert body(site.browser().post("/signUpUser", data={"data": "jörg"}))["status"] == "UNAVAILABLE"
+
+
+@pytest.fixture
+def full():
+    """A site whose only robot is ada's, and ada's browser."""
+    site = Site(robots=1)
+    ada = site.browser()
+    assert body(ada.post("/signUpUser", data={"data": "ada"}))["status"] == "OK"
+    return site, ada
+
+
+def test_who_finds_no_robot_waits_is_offered_one_and_takes_it(full):
+    site, ada = full
+    bob = site.browser()
+    assert body(bob.post("/signUpUser", data={"data": "bob"})) == {"status": "NO_ROBOTS", "user": "bob"}
+    queued = body(bob.post("/signUpUser", data={"data": "bob", "wait": "1"}))
+    assert (queued["status"], queued["place"], queued["offer"]) == ("QUEUED", 1, None)
+    assert queued["seconds"] > 0
+    assert body(bob.post("/takeRobot")) == {"status": "NO_ROBOTS"}
+    assert body(bob.get("/session"))["status"] == "QUEUED"
+    ada.post("/signOutUser", data={"data": "ada"})
+    offered = body(bob.get("/session"))
+    assert (offered["status"], offered["offer"], 0 < offered["seconds"] <= 20) == ("QUEUED", 0, True)
+    assert body(bob.post("/takeRobot")) == {"status": "OK", "user": "bob", "robot": 0}
+    assert body(bob.get("/session"))["status"] == "OK"
+
+
+def test_who_waits_can_go(full):
+    site, _ = full
+    bob = site.browser()
+    bob.post("/signUpUser", data={"data": "bob", "wait": "1"})
+    assert body(bob.post("/signOutUser", data={"data": "bob"})) == {"status": "OK", "user": "bob"}
+    assert body(bob.get("/session")) == {"status": "UNREGISTERED"}
+
+
+def test_strangers_take_nothing(full):
+    site, _ = full
+    assert body(site.browser().post("/takeRobot")) == {"status": "UNREGISTERED"}
+
+
+@pytest.mark.parametrize("wait", ["2", "", "yes", "01", "<b>"])
+def test_an_impossible_wait_is_refused(full, wait):
+    site, _ = full
+    response = site.browser().post("/signUpUser", data={"data": "bob", "wait": wait})
+    assert response.status_code == 400
+    assert body(response) == {"error": "wait must be 0 or 1", "status": "ERROR", "user": "bob"}
+    assert site.battle.snapshot().queue == ()
+
+
+def test_a_visitors_address_is_not_kept(site):
+    site.browser().post("/signUpUser", data={"data": "al"}, environ_base={"REMOTE_ADDR": "10.1.2.3"})
+    (signed_up,) = [one.event for one in site.battle._referee.take_journal() if "al signed up" in str(one.event)]
+    assert signed_up.address
+    assert "10.1.2.3" not in str(events.to_json(signed_up))
+
+
+def test_who_changes_his_mind_too_often_waits(site):
+    browser = site.browser()
+    sign_up(browser, "al")
+    answers = [browser.post("/playerReady", data={"user": "al", "ready": str(number % 2)}) for number in range(21)]
+    assert [answer.status_code for answer in answers] == [200] * 20 + [429]
+    assert answers[-1].headers["Retry-After"] == "1"

@@ -1,8 +1,12 @@
 """Hits, the end of a battle and its result."""
 
+import re
+
 import pytest
 
-from server.game.referee import Rules
+from server.game.robot import HIT_INTERVAL
+from server.game.rules import Rules
+from tests.support.programs import ROOT
 
 
 def test_a_hit_costs_ten_of_hundred_and_never_goes_below_zero(new_match):
@@ -36,6 +40,36 @@ def test_hits_on_spectators_free_robots_and_unknown_robots_do_not_count(match):
     assert match.hit("cy") == [False]
     assert [match.referee.hit(robot, match.now) for robot in (3, 99, -1)] == [False, False, False]
     assert match.state == before
+
+
+def test_a_robot_is_hit_as_fast_as_its_firmware_reports_hits_and_not_faster(match):
+    match.start("ada", "bob")
+    assert [match.referee.hit(0, match.now) for _ in range(10)] == [True] + [False] * 9
+    assert match.referee.hit(1, match.now), "another robot"
+    match.now += 0.04
+    assert not match.referee.hit(0, match.now)
+    match.now += 0.02
+    assert match.referee.hit(0, match.now), "the network has held up the first"
+    match.now += 0.08
+    assert not match.referee.hit(0, match.now), "two in 140 ms, and no third"
+    assert match.player("ada").life == 80
+
+
+def test_in_the_long_run_a_flood_of_hits_counts_ten_a_second(new_match):
+    match = new_match(rules=Rules(hit_damage=1))
+    match.start("ada", "bob")
+    begun = match.now
+    while match.now < begun + 2.0:
+        match.now += 0.01
+        match.referee.hit(0, match.now)
+    assert 100 - match.player("ada").life in (20, 21)
+
+
+def test_the_least_interval_of_hits_is_the_firmwares():
+    source = (ROOT / "firmware/laserbot/src/ir/hit_detector.h").read_text()
+    interval = re.search(r"MIN_HIT_INTERVAL_MS = (\d+);", source)
+    assert interval
+    assert int(interval[1]) / 1000 == HIT_INTERVAL
 
 
 def test_a_dead_player_is_not_hit_again(match):
@@ -76,7 +110,7 @@ def test_survivors_at_the_time_limit_are_ranked_by_life_and_ties_share_a_place(m
     match.hit("ada", times=2)
     match.hit("cy", times=2)
     match.hit("dee", times=10)
-    match.wait(299.9)
+    match.wait(match.state.time_left - 0.1)
     assert match.state.game == 2
     match.wait(0.1)
     assert match.state.game == 0
@@ -86,8 +120,9 @@ def test_survivors_at_the_time_limit_are_ranked_by_life_and_ties_share_a_place(m
 
 def test_who_dies_in_the_same_instant_shares_a_place(match):
     match.start("ada", "bob", "cy", "dee")
-    match.hit("bob", times=10)
-    match.hit("cy", times=10)
+    for _ in range(10):
+        match.hit("bob")
+        match.referee.hit(match.player("cy").robot, match.now)
     match.wait(1)
     match.hit("dee", times=10)
     assert sorted(match.ranking) == [(1, "ada"), (2, "dee"), (3, "bob"), (3, "cy")]
@@ -206,7 +241,7 @@ def test_a_hit_after_the_countdown_counts_though_no_tick_came_between(match):
 def test_everything_that_happens_is_in_the_journal(match):
     match.start("ada", "bob")
     match.hit("bob", times=10)
-    journal = match.referee.take_journal()
+    journal = [str(recorded.event) for recorded in match.referee.take_journal()]
     assert "robot 0 registered by /id_service_client_0" in journal
     assert "ada signed up and drives robot 0" in journal
     assert "bob (robot 1) has been hit, life 90" in journal

@@ -1,5 +1,6 @@
 """The battle under many threads: nothing happens twice, listeners hear everything in order."""
 
+import itertools
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -8,8 +9,11 @@ from typing import Any
 import pytest
 
 from server.game.loop import GameLoop
-from server.game.referee import Referee, Rules, Verdict
+from server.game.referee import Referee, Verdict
+from server.game.robot import HIT_INTERVAL
+from server.game.rules import Rules
 from server.game.snapshot import Snapshot
+from tests.support.linked import add_linked_robot
 from tests.support.polling import until
 
 
@@ -45,7 +49,7 @@ def at_once(number: int, act: Callable[..., Any]) -> list[Any]:
 
 def test_one_name_claimed_by_many_at_the_same_instant_goes_to_exactly_one(battle):
     for number in range(16):
-        battle.add_robot(f"/r{number}")
+        add_linked_robot(battle, f"/r{number}")
     for turn in range(30):
         name = f"ada{turn}"
         verdicts = [verdict for verdict, _ in at_once(8, lambda index, name=name: battle.sign_up(name, f"s{index}", 0))]
@@ -63,7 +67,7 @@ def test_robots_that_register_at_the_same_instant_get_different_ids(battle):
 
 def test_players_who_sign_up_at_the_same_instant_get_different_robots(battle):
     for _ in range(10):
-        battle.add_robot("/unnamed")
+        add_linked_robot(battle)
     answers = at_once(16, lambda index: battle.sign_up(f"p{index}", f"s{index}", 0))
     robots = [player.robot for verdict, player in answers if verdict is Verdict.OK]
     assert sorted(robots) == list(range(10))
@@ -71,9 +75,11 @@ def test_players_who_sign_up_at_the_same_instant_get_different_robots(battle):
 
 
 def test_a_snapshot_is_never_empty_while_players_are_signed_in_and_hit():
-    battle = GameLoop(Referee(Rules(hit_damage=1, countdown=0.05)))
+    patient = Rules(hit_damage=1, countdown=20, battle_limit=1e6, player_timeout=1e6, robot_timeout=1e6)
+    ticks = itertools.count()
+    battle = GameLoop(Referee(patient), clock=lambda: next(ticks) * HIT_INTERVAL)
     for index in range(4):
-        battle.add_robot("/unnamed")
+        add_linked_robot(battle)
         battle.sign_up(f"p{index}", f"s{index}", 0)
         battle.set_ready(f"p{index}", True, f"s{index}")
     until(lambda: battle.snapshot().game == 2)
@@ -92,7 +98,7 @@ def test_listeners_hear_every_change_in_order(battle, run):
     battle.add_listener(lambda snapshot: heard.append(snapshot.robots))
     run()
     for _ in range(20):
-        battle.add_robot("/unnamed")
+        add_linked_robot(battle)
     until(lambda: heard and len(heard[-1]) == 20)
     changes = [robots for index, robots in enumerate(heard) if index == 0 or robots != heard[index - 1]]
     assert changes == [tuple(range(count + 1)) for count in range(20)]
@@ -119,7 +125,7 @@ def test_listeners_are_called_without_the_lock(battle, run):
 
     battle.add_listener(listener)
     run()
-    battle.add_robot("/unnamed")
+    add_linked_robot(battle)
     assert seen.wait(5)
 
 
@@ -132,7 +138,7 @@ def test_a_failing_listener_harms_neither_the_others_nor_the_game(battle, run, c
     battle.add_listener(broken)
     battle.add_listener(heard.append)
     run()
-    battle.add_robot("/unnamed")
+    add_linked_robot(battle)
     until(lambda: heard and heard[-1].robots == (0,))
     assert "listener is broken" in caplog.text
 
@@ -142,7 +148,7 @@ def test_when_the_server_itself_stood_still_nobody_is_taken_for_gone():
     battle = GameLoop(Referee(Rules(robot_timeout=3.0, player_timeout=15.0)), clock=lambda: now[0])
     battle.start()
     try:
-        battle.add_robot("/a")
+        add_linked_robot(battle, "/a")
         battle.sign_up("al", "s", 0)
         now[0] += 60.0
         assert [player.name for player in battle.snapshot().players] == ["al"]
@@ -157,8 +163,8 @@ def test_when_the_server_itself_stood_still_nobody_is_taken_for_gone():
 
 def test_a_deadline_is_met_without_any_event():
     battle = GameLoop(Referee(Rules(countdown=0.1)))
-    battle.add_robot("/a")
-    battle.add_robot("/b")
+    add_linked_robot(battle, "/a")
+    add_linked_robot(battle, "/b")
     started = threading.Event()
     battle.add_listener(lambda snapshot: started.set() if snapshot.game == 2 else None)
     battle.start()
@@ -176,5 +182,5 @@ def test_a_deadline_is_met_without_any_event():
 def test_what_happens_is_logged(battle, run, caplog):
     caplog.set_level("INFO")
     run()
-    battle.add_robot("/unnamed")
+    add_linked_robot(battle)
     until(lambda: "robot 0 registered by an unnamed client" in caplog.text)

@@ -5,7 +5,8 @@ import logging
 import pytest
 
 from server.game.loop import GameLoop
-from server.game.referee import Referee, Rules
+from server.game.referee import Referee
+from server.game.rules import Rules
 from server.settings import Settings
 from server.web.app import create_app
 

@@ -33,10 +33,17 @@ def held() -> Iterator[threading.Event]:
 
 
 @pytest.fixture
-def web(held: threading.Event) -> Iterator[BaseWSGIServer]:
+def asked() -> list[str]:
+    """The paths that workers have begun to serve."""
+    return []
+
+
+@pytest.fixture
+def web(held: threading.Event, asked: list[str]) -> Iterator[BaseWSGIServer]:
     """A web server for a few connections whose loop is not started yet."""
 
-    def page(_environ: object, start_response: Callable[..., object]) -> list[bytes]:
+    def page(environ: dict[str, str], start_response: Callable[..., object]) -> list[bytes]:
+        asked.append(environ["PATH_INFO"])
         held.wait()
         start_response("200 OK", [])
         return [b""]
@@ -81,13 +88,13 @@ def test_a_sign_of_life_needs_the_game_and_the_web_servers_loop(
 
 
 def test_workers_that_are_stuck_give_none(
-    web: BaseWSGIServer, serve: Callable[[], None], held: threading.Event, alive_file: Path
+    web: BaseWSGIServer, serve: Callable[[], None], held: threading.Event, asked: list[str], alive_file: Path
 ) -> None:
     serve()
     with contextlib.ExitStack() as clients:
         for _ in range(WORKERS):
             clients.enter_context(ask(web))
-        until(lambda: web.task_dispatcher.active_count == WORKERS and not web.task_dispatcher.queue)
+        until(lambda: len(asked) == WORKERS)
         Pulse(web).follow(None)
         until(lambda: web.task_dispatcher.queue)
         assert not alive_file.exists()

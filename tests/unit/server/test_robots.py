@@ -7,8 +7,15 @@ from server.game.robot import Robot, Robots
 
 
 def register(robots, *callers):
-    added = [robots.add_robot(caller, 0.0) for caller in callers]
-    return [robot and robot.id for robot in added]
+    return [enter(robots, caller, 0.0) for caller in callers]
+
+
+def enter(robots, caller, now):
+    robot_id, name = robots.id_for(caller)
+    if robot_id is not None:
+        robots.put(robot_id, name, now)
+        robots.link(robot_id, True)
+    return robot_id
 
 
 def the(robots, robot_id) -> Robot:
@@ -19,7 +26,7 @@ def the(robots, robot_id) -> Robot:
 
 def remove(robots, *ids):
     for robot_id in ids:
-        robots.del_robot(the(robots, robot_id))
+        robots.del_robot(robot_id)
 
 
 def test_ids_start_at_zero_and_the_lowest_free_one_is_given():
@@ -46,9 +53,8 @@ def test_registering_again_while_listed_is_the_same_robot():
     robots = Robots()
     register(robots, "/a")
     the(robots, 0).user = "ada"
-    again = robots.add_robot("/a", 7.0)
-    assert again is not None
-    assert (again.id, again.user, again.alive_at) == (0, "ada", 7.0)
+    assert enter(robots, "/a", 7.0) == 0
+    assert (the(robots, 0).user, the(robots, 0).alive_at) == ("ada", 7.0)
     assert len(list(robots)) == 1
 
 
@@ -81,19 +87,30 @@ def test_the_129th_robot_gets_no_id():
     assert register(robots, "/r5") == [5]
 
 
-def test_a_kept_id_is_given_away_when_there_is_no_other():
+def test_a_kept_id_is_given_to_no_other():
     robots = Robots({"/away": 7})
-    register(robots, *(f"/r{number}" for number in range(127)))
-    assert register(robots, "/new") == [7]
-    assert "/away" not in robots.known
+    ids = register(robots, *(f"/r{number}" for number in range(127)))
+    assert 7 not in ids
+    assert register(robots, "/new", "/unnamed") == [None, None]
+    assert register(robots, "/away") == [7]
 
 
-def test_available_robots_are_those_without_user_lowest_first():
+def test_a_name_alone_is_not_remembered_and_displaces_nobody():
+    robots = Robots({"/away": 7})
+    for number in range(1000):
+        robot_id, name = robots.id_for(f"/fake{number}")
+        assert robot_id not in (None, 7)
+        robots.put(robot_id, name, 0.0)
+        robots.del_robot(robot_id)
+    assert robots.known == {"/away": 7}
+
+
+def test_available_robots_are_those_on_their_topics_without_user_lowest_first():
     robots = Robots()
-    register(robots, "/a", "/b", "/c")
+    register(robots, "/a", "/b", "/c", "/d")
+    robots.link(3, False)
     the(robots, 0).user = "ada"
-    assert robots.get_available_robot() is the(robots, 1)
-    assert robots.get_available_robots_n() == 2
+    assert robots.get_available_robots() == [the(robots, 1), the(robots, 2)]
     for robot in robots:
         robot.user = "x"
-    assert robots.get_available_robot() is None
+    assert robots.get_available_robots() == []

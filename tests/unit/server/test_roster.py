@@ -1,89 +1,60 @@
-"""robots.json: read, written whole, and survived when it is broken."""
-
-import json
+"""IDs that the operator has fixed, and those that older versions have kept in robots.json."""
 
 import pytest
 
-from server.store.roster import Roster
+from server.store.roster import Roster, take_over_file
 
 FIXED = {"/id_service_client_pi": 1, "/id_service_client_pi_2": 2}
 
 
-def test_what_is_saved_is_loaded_and_the_folder_is_made(tmp_path):
-    roster = Roster(tmp_path / "new" / "folder")
-    assert roster.load() == {}
-    roster.save({"/a": 0, "/b": 127})
-    assert Roster(tmp_path / "new" / "folder").load() == {"/a": 0, "/b": 127}
+def test_what_is_fixed_goes_before_what_was_kept():
+    assert Roster({"/b": 7, "/new": 2}).with_fixed({"/a": 0, "/b": 1, "/c": 2}) == {"/a": 0, "/b": 7, "/new": 2}
 
 
-def test_saving_leaves_only_the_file(tmp_path):
-    Roster(tmp_path).save({"/a": 0})
-    Roster(tmp_path).save({"/a": 1})
-    assert [path.name for path in tmp_path.iterdir()] == ["robots.json"]
+def test_a_file_is_taken_over_once(tmp_path):
+    (tmp_path / "robots.json").write_text('{"/a": 0, "/b": 127}')
+    assert take_over_file(tmp_path) == {"/a": 0, "/b": 127}
+    assert [path.name for path in tmp_path.iterdir()] == ["robots.json.imported"]
+    assert take_over_file(tmp_path) == {}
+
+
+def test_no_file_and_no_folder_is_nothing(tmp_path):
+    assert take_over_file(tmp_path / "missing") == {}
 
 
 @pytest.mark.parametrize(
-    "text",
+    "content",
     [
-        "",
-        "{",
-        "[]",
-        "null",
-        '{"/a": "0"}',
-        '{"/a": 128}',
-        '{"/a": -1}',
-        '{"/a": true}',
-        '{"/a": 1.0}',
-        '{"/a": null}',
-        "[" * 100_000,
+        b"",
+        b"{",
+        b"[]",
+        b"null",
+        b'{"/a": "0"}',
+        b'{"/a": 128}',
+        b'{"/a": -1}',
+        b'{"/a": true}',
+        b'{"/a": 1.0}',
+        b'{"/a": null}',
+        b"[" * 100_000,
+        b"\xff\xfe\x00",
     ],
 )
-def test_a_broken_file_is_kept_aside_and_robots_start_afresh(tmp_path, text, caplog):
-    roster = Roster(tmp_path)
-    roster.path.write_text(text)
-    assert roster.load() == {}
-    assert (tmp_path / "robots.json.broken").read_text() == text
+def test_a_broken_file_is_kept_aside(tmp_path, content, caplog):
+    (tmp_path / "robots.json").write_bytes(content)
+    assert take_over_file(tmp_path) == {}
+    assert (tmp_path / "robots.json.broken").read_bytes() == content
     assert "broken" in caplog.text
-    roster.save({"/a": 3})
-    assert roster.load() == {"/a": 3}
-
-
-def test_a_file_that_is_no_text_is_broken_too(tmp_path):
-    roster = Roster(tmp_path)
-    roster.path.write_bytes(b"\xff\xfe\x00")
-    assert roster.load() == {}
-    assert (tmp_path / "robots.json.broken").exists()
-
-
-def test_a_folder_that_cannot_be_written_is_logged_and_nothing_else(tmp_path, caplog):
-    (tmp_path / "file").write_text("in the way")
-    Roster(tmp_path / "file").save({"/a": 0})
-    assert "cannot write" in caplog.text
-    assert "Traceback" not in caplog.text
 
 
 def test_a_file_that_cannot_be_read_is_logged_and_left_alone(tmp_path, caplog):
-    roster = Roster(tmp_path)
-    roster.path.mkdir()
-    assert roster.load() == {}
+    (tmp_path / "robots.json").mkdir()
+    assert take_over_file(tmp_path) == {}
     assert "cannot read" in caplog.text
-    assert roster.path.is_dir()
+    assert (tmp_path / "robots.json").is_dir()
 
 
-def test_the_file_is_plain_json_that_an_operator_can_edit(tmp_path):
-    roster = Roster(tmp_path)
-    roster.save({"/b": 1, "/a": 0})
-    assert json.loads(roster.path.read_text()) == {"/a": 0, "/b": 1}
-    assert roster.path.read_text().splitlines()[1] == '  "/a": 0,'
-
-
-def test_what_the_operator_fixed_goes_before_the_file(tmp_path):
-    Roster(tmp_path).save({"/a": 0, "/b": 1, "/c": 2})
-    assert Roster(tmp_path, {"/b": 7, "/new": 2}).load() == {"/a": 0, "/b": 7, "/new": 2}
-
-
-def test_a_default_name_of_a_fixed_robot_is_warned_of_once(tmp_path, caplog):
-    roster = Roster(tmp_path, FIXED)
+def test_a_default_name_of_a_fixed_robot_is_warned_of_once(caplog):
+    roster = Roster(FIXED)
     for _ in range(2):
         roster.warn_of_lookalike("/id_service_client_pi_2_b8_27_eb_00_00_01")
     (record,) = caplog.records
@@ -92,6 +63,6 @@ def test_a_default_name_of_a_fixed_robot_is_warned_of_once(tmp_path, caplog):
 
 
 @pytest.mark.parametrize("name", ["pi", "pi_2", "pi3", "p"])
-def test_other_names_are_not_warned_of(tmp_path, caplog, name):
-    Roster(tmp_path, FIXED).warn_of_lookalike(f"/id_service_client_{name}")
+def test_other_names_are_not_warned_of(caplog, name):
+    Roster(FIXED).warn_of_lookalike(f"/id_service_client_{name}")
     assert not caplog.records

@@ -2,6 +2,9 @@
 
 from pathlib import Path
 
+import pytest
+
+from laser_bot_battle.settings import SettingsError
 from server.settings import Settings
 
 
@@ -27,6 +30,8 @@ def test_every_variable_is_read() -> None:
             "LASERBOT_COUNTDOWN": "0.5",
             "LASERBOT_BATTLE_LIMIT": "60",
             "LASERBOT_PLAYER_TIMEOUT": "30",
+            "LASERBOT_SEATS": "4",
+            "LASERBOT_OPERATOR_TOKEN": "secret",
             "LASERBOT_DATA": "/data",
             "LASERBOT_ROSTER": "pi=3",
             "LASERBOT_LOG_LEVEL": "DEBUG",
@@ -38,3 +43,36 @@ def test_every_variable_is_read() -> None:
     assert (settings.rosbridge_port, settings.view_port) == (91, 92)
     assert (settings.data, settings.roster) == (Path("/data"), {"/id_service_client_pi": 3})
     assert (rules.hit_damage, rules.countdown, rules.battle_limit, rules.player_timeout) == (25, 0.5, 60, 30)
+    assert (rules.seats, settings.operator_token) == (4, "secret")
+
+
+def test_the_operators_token_comes_from_a_file_too(tmp_path: Path) -> None:
+    (tmp_path / "token").write_text("of a file\n")
+    assert Settings.from_env({"LASERBOT_OPERATOR_TOKEN_FILE": str(tmp_path / "token")}).operator_token == "of a file"
+    assert Settings.from_env({}).operator_token == ""
+
+
+def test_the_database_is_a_file_or_postgresql() -> None:
+    def of(address: str) -> str:
+        settings = Settings.from_env({"LASERBOT_DATA": "/data", "LASERBOT_DATABASE": address})
+        return settings.database.render_as_string(hide_password=False)
+
+    assert of("") == "sqlite:////data/laserbot.db"
+    assert of("sqlite:////elsewhere/game.db") == "sqlite:////elsewhere/game.db"
+    assert of("postgresql://op:secret@db/game") == "postgresql+pg8000://op:secret@db/game"
+    assert of("postgresql://op@/game?unix_sock=/run/s") == "postgresql+pg8000://op@/game?unix_sock=%2Frun%2Fs"
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "game.db",
+        "mysql://op:secret@db/game",
+        "postgresql+psycopg2://op:secret@db/game",
+        "postgresql://op:secret@db/x?a=b",
+    ],
+)
+def test_another_database_is_refused_without_its_password(address: str) -> None:
+    with pytest.raises(SettingsError, match="LASERBOT_DATABASE") as refused:
+        Settings.from_env({"LASERBOT_DATABASE": address})
+    assert "secret" not in str(refused.value)

@@ -5,14 +5,36 @@ import pytest
 from server.game.users import User, Users, is_valid_name
 
 
-@pytest.mark.parametrize("name", ["a", "Z", "_", "0", "a_B_9", "x" * 16])
+@pytest.mark.parametrize("name", ["a", "Z", "_", "0", "a_B_9", "x" * 16, "Jörg", "Αλφα", "日本", "हिन्दी", "é"])
 def test_good_names(name):
     assert is_valid_name(name)
 
 
 @pytest.mark.parametrize(
     "name",
-    ["", " ", "x" * 17, "a b", " a", "a\n", "a-b", "[", "\\", "^", "`", "é", "١", "a\x00", "<b>", "а"],
+    [
+        "",
+        " ",
+        "x" * 17,
+        "a b",
+        " a",
+        "a\n",
+        "a-b",
+        "[",
+        "\\",
+        "^",
+        "`",
+        "e\u0301",
+        "\u0301a",
+        "a\x00",
+        "<b>",
+        "a\u200db",
+        "\u202ea",
+        "😀",
+        "a\u3164",
+        "operator\ufe0f",
+        "²".join("xy") + "-",
+    ],
 )
 def test_bad_names(name):
     assert not is_valid_name(name)

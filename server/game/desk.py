@@ -1,0 +1,163 @@
+"""What operators may decide: pure rules over the state. Each answers with the events that follow, or raises.
+
+`by` is the operator's name. What is true already needs no event; what comes at the wrong moment is refused.
+"""
+
+import unicodedata
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from laser_bot_battle.names import Game
+from server.game import events
+from server.game.events import Event
+from server.game.rules import DECLARED, Rules, checked
+from server.game.state import State
+from server.game.users import is_same_name, is_valid_name
+
+EARLIER = "an earlier program"  # what was decided in it
+MAX_ADDED = 3600  # s at once
+MAX_BANNED = 1000  # names
+MAX_WORDS = 1000
+MAX_WORD = 32  # characters
+MAX_MESSAGE = 200  # characters
+
+
+class RefusedError(Exception):
+    """Not now; the text says why."""
+
+
+class UnknownError(RefusedError):
+    """There is no such player, robot or name."""
+
+
+def start(state: State, rules: Rules, by: str) -> list[Event]:
+    """The battle begins before the countdown is over."""
+    if state.game is not Game.COUNTDOWN:
+        raise RefusedError("no countdown runs: it begins when two players are ready")
+    return [state.next_battle(rules.battle_limit, by)]
+
+
+def abort(state: State, _rules: Rules, by: str) -> list[Event]:
+    """Countdown or battle end, and nobody has won."""
+    _check_runs(state)
+    cause = "the operator has ended it"
+    if state.game is Game.COUNTDOWN:
+        return [events.CountdownStopped(cause, by)]
+    return [events.BattleEnded(state.battle, cause, state.ranking(), counts=False, by=by)]
+
+
+def pause(state: State, _rules: Rules, by: str) -> list[Event]:
+    _check_runs(state)
+    if state.paused_at is not None:
+        raise RefusedError("it is paused already")
+    return [events.Paused(by)]
+
+
+def resume(state: State, _rules: Rules, by: str) -> list[Event]:
+    if state.paused_at is None:
+        raise RefusedError("nothing is paused")
+    return [events.Resumed(by)]
+
+
+def add_time(state: State, _rules: Rules, by: str, seconds: float) -> list[Event]:
+    """ValueError for an impossible number of seconds."""
+    if not 1 <= seconds <= MAX_ADDED:
+        raise ValueError(f"seconds must be a number from 1 to {MAX_ADDED}")
+    _check_runs(state)
+    return [events.TimeAdded(seconds, by)]
+
+
+def change_rules(state: State, _rules: Rules, by: str, changes: Mapping[str, object]) -> list[Event]:
+    """New values; None: the environment's again. ValueError if one of them is impossible."""
+    unknown = sorted(changes.keys() - DECLARED.keys())
+    if unknown:
+        raise ValueError(f"there is no rule {unknown[0][:40]!r}; there are: {', '.join(DECLARED)}")
+    wanted = {rule: None if value is None else checked(rule, value) for rule, value in changes.items()}
+    news: dict[str, Any] = {rule: value for rule, value in wanted.items() if value != state.rules.get(rule)}
+    return [events.RulesChanged(news, by)] if news else []
+
+
+def set_service(state: State, _rules: Rules, by: str, robot_id: int, in_service: bool) -> list[Event]:
+    """Take a robot out of service, or put it back. Its player is the next to get another one."""
+    is_out = robot_id in state.robots.out_of_service
+    if state.robots.get_robot(robot_id) is None and not is_out:
+        raise UnknownError(f"there is no robot {robot_id}")
+    if in_service is not is_out:
+        return []
+    driver = next((user for user in state.users if user.robot == robot_id), None)
+    unseated = [events.Unseated(driver.name, "has a robot that is out of service", first=True)] if driver else []
+    return [events.ServiceChanged(robot_id, in_service, by), *unseated]
+
+
+def sign_out(state: State, _rules: Rules, by: str, name: str) -> list[Event]:
+    """Whoever plays or waits under that name."""
+    left = _signed_out(state, name, by)
+    if not left:
+        raise UnknownError("nobody plays or waits under that name")
+    return left
+
+
+def ban(state: State, _rules: Rules, by: str, name: str) -> list[Event]:
+    """Nobody may take that name any more; who has it is signed out. ValueError if it is no name."""
+    name = unicodedata.normalize("NFC", name)
+    if not is_valid_name(name):
+        raise ValueError("that is no name that a player could have")
+    if any(is_same_name(name, banned) for banned in state.banned):
+        return []
+    if len(state.banned) >= MAX_BANNED:
+        raise RefusedError(f"{MAX_BANNED} names are banned already: allow some again")
+    return [events.NameBanned(name, by), *_signed_out(state, name, by)]
+
+
+def unban(state: State, _rules: Rules, by: str, name: str) -> list[Event]:
+    if not any(is_same_name(name, banned) for banned in state.banned):
+        raise UnknownError("that name is not banned")
+    return [events.NameUnbanned(name, by)]
+
+
+def take_over(state: State, _rules: Rules, saved: Mapping[str, Any]) -> list[Event]:
+    """What was decided in an earlier program, whose `saved` state could not be read at the start."""
+    undecided = DECLARED.keys() - state.rules.keys()
+    rules = {name: value for name, value in saved.get("rules", {}).items() if name in undecided}
+    robots = set(saved.get("out_of_service", ())) - state.robots.out_of_service
+    names = [name for name in saved.get("banned", ()) if not any(is_same_name(name, one) for one in state.banned)]
+    changes: list[Event] = [events.ServiceChanged(robot, False, EARLIER) for robot in sorted(robots)]
+    changes += [events.NameBanned(name, EARLIER) for name in names]
+    if rules:
+        changes.append(events.RulesChanged(rules, EARLIER))
+    if saved.get("words") and not state.words:
+        changes.append(events.WordsChanged(tuple(saved["words"]), EARLIER))
+    return changes
+
+
+def take_drive(_state: State, _rules: Rules, by: str) -> list[Event]:
+    return [events.DriveTaken(by)]
+
+
+def set_words(state: State, _rules: Rules, by: str, words: Sequence[str]) -> list[Event]:
+    """The words that no new name may contain. ValueError for impossible ones."""
+    if len(words) > MAX_WORDS:
+        raise ValueError(f"there may be {MAX_WORDS} words")
+    if not all(0 < len(word) <= MAX_WORD and word.isprintable() and not word.isspace() for word in words):
+        raise ValueError(f"a word has 1 to {MAX_WORD} printable characters")
+    chosen = tuple(dict.fromkeys(words))
+    return [events.WordsChanged(chosen, by)] if chosen != state.words else []
+
+
+def show(state: State, _rules: Rules, by: str, text: str) -> list[Event]:
+    """A message to everybody; an empty one takes it back. ValueError if it is too long or not printable."""
+    if len(text) > MAX_MESSAGE or not text.isprintable():
+        raise ValueError(f"a message has up to {MAX_MESSAGE} printable characters")
+    text = text.strip()
+    return [events.MessageShown(text, by)] if text != state.message else []
+
+
+def _check_runs(state: State) -> None:
+    if state.game is Game.STOPPED:
+        raise RefusedError("neither a countdown nor a battle runs")
+
+
+def _signed_out(state: State, name: str, by: str) -> list[Event]:
+    everybody = [*state.users, *state.queue]
+    known = next((one for one in everybody if is_same_name(one.name, name)), None)
+    return [events.Left(known.name, "was signed out by the operator", by)] if known else []

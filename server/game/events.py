@@ -1,0 +1,378 @@
+"""What the referee decides. Nothing else changes the game, so a battle can be played again from its events.
+
+Each event's `str` is the line of log for people. `by` is the name of the operator who decided it; empty: the rules did.
+"""
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from server.game.snapshot import Placing
+
+
+@dataclass(frozen=True, slots=True)
+class RobotCame:
+    robot: int
+    caller: str | None  # ROS name of its client, None if that has no lasting one
+    key: str = ""  # SHA-256 (hex) of what its pings show
+    address: str = ""  # from which it registered
+
+    def __str__(self) -> str:
+        return f"robot {self.robot} registered by {self.caller or 'an unnamed client'}"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotRefused:
+    caller: str
+
+    def __str__(self) -> str:
+        return "a robot was refused: all IDs are in use, or kept for robots that were here before"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotLinked:
+    """Its serial node has come to its topics, or left them."""
+
+    robot: int
+    linked: bool
+    caller: str | None
+
+    def __str__(self) -> str:
+        return f"robot {self.robot} is {'on its topics' if self.linked else 'not on its topics any more'}"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotGone:
+    robot: int
+
+    def __str__(self) -> str:
+        return f"robot {self.robot} is gone"
+
+
+@dataclass(frozen=True, slots=True)
+class SignedUp:
+    name: str
+    robot: int
+    session: str  # SHA-256 (hex) of the session token
+    avatar: int
+    address: str = ""  # a mark of the page's
+
+    def __str__(self) -> str:
+        return f"{self.name} signed up and drives robot {self.robot}"
+
+
+@dataclass(frozen=True, slots=True)
+class Queued:
+    """Waits for a robot, behind all who do already."""
+
+    name: str
+    session: str
+    avatar: int
+    address: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} waits for a robot"
+
+
+@dataclass(frozen=True, slots=True)
+class Offered:
+    """A robot is kept for who waits."""
+
+    name: str
+    robot: int
+    seconds: float  # to take it
+
+    def __str__(self) -> str:
+        return f"robot {self.robot} is offered to {self.name} for {self.seconds:g} s"
+
+
+@dataclass(frozen=True, slots=True)
+class Seated:
+    """Has taken the robot that was offered."""
+
+    name: str
+
+    def __str__(self) -> str:
+        return f"{self.name} has taken the robot"
+
+
+@dataclass(frozen=True, slots=True)
+class Unseated:
+    """Gives the robot up for others, and waits behind them."""
+
+    name: str
+    how: str  # after the name: "was not ready for 60 s while others waited"
+    first: bool = False  # waits before the others instead, since it is nobody's fault
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.how}: the seat is free"
+
+
+@dataclass(frozen=True, slots=True)
+class Left:
+    name: str
+    how: str  # after the name: "signed out", "left the page", "lost the robot"
+    by: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.how}{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class ReadyChanged:
+    name: str
+    ready: bool
+
+    def __str__(self) -> str:
+        return f"{self.name} is {'ready' if self.ready else 'no longer ready'}"
+
+
+@dataclass(frozen=True, slots=True)
+class CountdownStarted:
+    seconds: float
+
+    def __str__(self) -> str:
+        return f"countdown started: {self.seconds:g} s"
+
+
+@dataclass(frozen=True, slots=True)
+class CountdownStopped:
+    cause: str
+    by: str = ""  # by an operator: nobody is ready any more, else it would begin again at once
+
+    @property
+    def notice(self) -> str:
+        """For the players."""
+        return f"Countdown stopped: {self.cause}{'' if self.by else ', fewer than two players are ready'}."
+
+    def __str__(self) -> str:
+        return f"{self.notice}{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Fighter:
+    """Who takes part in a battle."""
+
+    name: str
+    robot: int
+    avatar: int
+
+
+@dataclass(frozen=True, slots=True)
+class BattleStarted:
+    battle: int
+    seconds: float  # to its time limit
+    fighters: tuple[Fighter, ...]
+    by: str = ""  # before the countdown was over
+
+    def __str__(self) -> str:
+        names = ", ".join(fighter.name for fighter in self.fighters)
+        return f"battle {self.battle} started: {names}{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    name: str  # who was hit
+    robot: int
+    life: int  # that is left
+
+    def __str__(self) -> str:
+        return f"{self.name} (robot {self.robot}) has been hit, life {self.life}"
+
+
+@dataclass(frozen=True, slots=True)
+class BattleEnded:
+    battle: int
+    cause: str
+    result: tuple[Placing, ...]  # best first
+    counts: bool = True  # False: aborted, so nobody has won it
+    by: str = ""
+
+    def __str__(self) -> str:
+        ranking = ", ".join(f"{placing.place} {placing.name}" for placing in self.result)
+        return f"battle {self.battle} over: {self.cause}; ranking: {ranking}{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class StoodStill:
+    seconds: float
+
+    def __str__(self) -> str:
+        return f"the server stood still for {self.seconds:.1f} s: robots and pages get that much more time"
+
+
+@dataclass(frozen=True, slots=True)
+class Paused:
+    """The clock of countdown or battle stands, no hit counts, nobody drives."""
+
+    by: str
+
+    def __str__(self) -> str:
+        return f"paused{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Resumed:
+    by: str
+
+    def __str__(self) -> str:
+        return f"goes on{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class TimeAdded:
+    """To the countdown or the battle."""
+
+    seconds: float
+    by: str
+
+    def __str__(self) -> str:
+        return f"{self.seconds:g} s added{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class RulesChanged:
+    """From now on; time limits of what runs stay."""
+
+    changes: Mapping[str, Any]  # new values by names in `Rules`; None: the environment's again
+    by: str
+
+    def __str__(self) -> str:
+        changes = ", ".join(
+            f"{rule} {'as configured' if value is None else value}" for rule, value in self.changes.items()
+        )
+        return f"rules changed: {changes}{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class ServiceChanged:
+    """A robot is taken out of service, or put back. Out of service, nobody gets it."""
+
+    robot: int
+    in_service: bool
+    by: str
+
+    def __str__(self) -> str:
+        return f"robot {self.robot} is {'back in' if self.in_service else 'out of'} service{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class NameBanned:
+    name: str
+    by: str
+
+    def __str__(self) -> str:
+        return f"the name {self.name} is banned{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class NameUnbanned:
+    name: str
+    by: str
+
+    def __str__(self) -> str:
+        return f"the name {self.name} is allowed again{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class WordsChanged:
+    """The words that no new name may contain."""
+
+    words: tuple[str, ...]
+    by: str
+
+    def __str__(self) -> str:
+        return f"{len(self.words)} words are not allowed in names{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class MessageShown:
+    """To everybody, until the next one."""
+
+    text: str  # "": none any more
+    by: str
+
+    def __str__(self) -> str:
+        what = f"message to everybody: {self.text}" if self.text else "the message to everybody is taken back"
+        return f"{what}{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class DriveTaken:
+    """An operator may drive robots for some seconds."""
+
+    by: str
+
+    def __str__(self) -> str:
+        return f"the controls for a test drive were handed out{_signature(self.by)}"
+
+
+Event = (
+    RobotCame
+    | RobotRefused
+    | RobotLinked
+    | RobotGone
+    | SignedUp
+    | Queued
+    | Offered
+    | Seated
+    | Unseated
+    | Left
+    | ReadyChanged
+    | CountdownStarted
+    | CountdownStopped
+    | BattleStarted
+    | Hit
+    | BattleEnded
+    | StoodStill
+    | Paused
+    | Resumed
+    | TimeAdded
+    | RulesChanged
+    | ServiceChanged
+    | NameBanned
+    | NameUnbanned
+    | WordsChanged
+    | MessageShown
+    | DriveTaken
+)
+
+_KINDS = {kind.__name__: kind for kind in Event.__args__}
+
+
+@dataclass(frozen=True, slots=True)
+class Recorded:
+    """An event and when it was decided, in monotonic seconds."""
+
+    at: float
+    event: Event
+
+
+def kind_of(event: Event) -> str:
+    """The name under which an event is kept."""
+    return type(event).__name__
+
+
+def to_json(event: Event) -> dict[str, Any]:
+    """The event's fields, as JSON knows them."""
+    return asdict(event)
+
+
+def from_json(kind: str, fields: Mapping[str, Any]) -> Event:
+    """The event that `kind_of` and `to_json` describe. ValueError for anything else."""
+    try:
+        given = dict(fields)
+        if "fighters" in given:
+            given["fighters"] = tuple(Fighter(**fighter) for fighter in given["fighters"])
+        if "result" in given:
+            given["result"] = tuple(Placing(**placing) for placing in given["result"])
+        if "words" in given:
+            given["words"] = tuple(given["words"])
+        event: Event = _KINDS[kind](**given)
+    except (KeyError, TypeError) as error:
+        raise ValueError(f"no event {kind!r} of {fields!r}: {error}") from None
+    return event
+
+
+def _signature(by: str) -> str:
+    return f" (by {by})" if by else ""

@@ -1,0 +1,72 @@
+"""All that an operator sees of the game, in JSON's types."""
+
+from typing import Any
+
+from laser_bot_battle.names import robot_name
+from server.game.rules import DECLARED, Rules
+from server.game.snapshot import Snapshot
+from server.game.state import State
+
+
+def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, now: float) -> dict[str, Any]:
+    """`snapshot` is that of the same moment, `configured` are the rules without what operators have changed."""
+    return {
+        "game": {
+            "state": state.game.name.lower(),
+            "paused": snapshot.paused,
+            "time_left": snapshot.time_left,
+            "battle": snapshot.battle,
+            "notice": snapshot.notice,
+            "message": snapshot.message,
+        },
+        "robots": _robots(state, now),
+        "players": [
+            {
+                "name": player.name,
+                "robot": player.robot,
+                "life": player.life,
+                "ready": player.ready,
+                "avatar": player.avatar,
+                "seat_left": player.seat_left,
+                "page_age": now - state.users.user(player.name).seen,
+            }
+            for player in snapshot.players
+        ],
+        "queue": [
+            {"name": waiter.name, "place": waiter.place, "offer": waiter.offer, "seconds": waiter.seconds}
+            for waiter in snapshot.queue
+        ],
+        "rules": {
+            name: {
+                "value": getattr(rules, name),
+                "default": getattr(configured, name),
+                "min": variable.lowest,
+                "max": variable.highest,
+                "text": variable.text,
+            }
+            for name, variable in DECLARED.items()
+        },
+        "names": {"banned": list(state.banned), "words": list(state.words)},
+    }
+
+
+def _robots(state: State, now: float) -> list[dict[str, Any]]:
+    """Those that are here, and those that are away but out of service."""
+    callers = {robot_id: caller for caller, robot_id in state.robots.known.items()}
+    ids = {robot.id for robot in state.robots} | state.robots.out_of_service
+    return [_robot(state, robot_id, callers.get(robot_id), now) for robot_id in sorted(ids)]
+
+
+def _robot(state: State, robot_id: int, caller: str | None, now: float) -> dict[str, Any]:
+    robot = state.robots.get_robot(robot_id)
+    offered = next((waiting.name for waiting in state.queue if waiting.offer == robot_id), None)
+    return {
+        "id": robot_id,
+        "name": robot_name(caller) if caller else None,
+        "host": robot.address or None if robot else None,
+        "player": next((user.name for user in state.users if user.robot == robot_id), None),
+        "offered_to": offered,
+        "in_service": robot_id not in state.robots.out_of_service,
+        "ping_age": now - robot.alive_at if robot else None,
+        "linked": robot is not None and robot.linked,
+    }

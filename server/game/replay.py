@@ -1,0 +1,33 @@
+"""A battle played again from its events."""
+
+from collections.abc import Iterable
+
+from server.game import events
+from server.game.events import Recorded
+from server.game.snapshot import Placing
+from server.game.state import State
+
+
+def replay(recorded: Iterable[Recorded]) -> tuple[Placing, ...]:
+    """The result of the last battle in these events, as they lead to it; () if none has ended.
+
+    What the referee wrote down as its result is not looked at.
+    """
+    state = State()
+    result: tuple[Placing, ...] = ()
+    for one in recorded:
+        match one.event:
+            case events.BattleStarted(_, _, fighters):
+                state = State()
+                for fighter in fighters:
+                    state.apply(events.RobotCame(fighter.robot, None), one.at)
+                    state.apply(events.SignedUp(fighter.name, fighter.robot, "", fighter.avatar), one.at)
+                    state.apply(events.ReadyChanged(fighter.name, True), one.at)
+                state.apply(one.event, one.at)
+            case events.Hit() | events.Left() | events.Unseated() if state.users.get_user(one.event.name):
+                state.apply(one.event, one.at)
+            case events.RobotGone(robot) if state.robots.get_robot(robot):
+                state.apply(one.event, one.at)
+            case events.BattleEnded():
+                result = state.ranking()
+    return result

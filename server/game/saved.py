@@ -1,0 +1,171 @@
+"""The state of the game as JSON, and back: how it outlives its program.
+
+A monotonic clock means nothing to another program, so times are kept as seconds before or after the moment of saving.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+from laser_bot_battle.names import Game
+from server.game.robot import Robot, Robots
+from server.game.rules import DECLARED
+from server.game.snapshot import Placing
+from server.game.state import State
+from server.game.users import User, Users, Waiting
+
+# s that robots have more than usual to be heard: when the ROS master was restarted, too, as by an update of the whole
+# master, the robots' own programs start again. That takes them 5 to 8 s, and the smallest ones twice as long.
+ROBOTS_RETURN = 20.0
+
+
+def save(state: State, now: float) -> dict[str, Any]:
+    """`state` at the time `now`."""
+    return {
+        "game": state.game.value,
+        "left": state.ends_at - (now if state.paused_at is None else state.paused_at),
+        "paused": state.paused_at is not None,
+        "battle": state.battle,
+        "notice": state.notice,
+        "robots": [_save_robot(robot) for robot in state.robots],
+        "users": [_save_user(user, now) for user in state.users],
+        "queue": [_save_waiting(waiting, now) for waiting in state.queue],
+        "leavers": [_save_user(user, now) for user in state.leavers],
+        "result": [_fields(placing) for placing in state.result],
+        "out_of_service": sorted(state.robots.out_of_service),
+        "rules": dict(state.rules),
+        "banned": state.banned[:],
+        "words": list(state.words),
+        "message": state.message,
+    }
+
+
+def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: float, pause: float) -> State:
+    """The state that was saved `pause` s before `now`. ValueError if it is none.
+
+    Battle and countdown have gone on unless they were paused; pages could not be heard, so their silence counts from
+    now on, and that of robots from when they can be back. What an older program did not save yet is as if no operator
+    had decided anything.
+    """
+    try:
+        then = now - pause
+        robots = Robots(known_robots)
+        for robot_id in saved.get("out_of_service", ()):
+            robots.set_service(int(robot_id), False)
+        for fields in saved["robots"]:
+            if known_robots.get(fields["caller"], fields["id"]) != fields["id"]:
+                continue  # the operator has given it another ID since: it registers anew
+            robots.put(int(fields["id"]), fields["caller"], now + ROBOTS_RETURN, fields["key"], fields["address"])
+            robots.link(int(fields["id"]), fields["linked"])
+        users = Users()
+        for fields in saved["users"]:
+            user = _restore_user(fields, then, now)
+            users.add_user(user)
+            robot = robots.get_robot(user.robot)
+            if robot is not None:
+                robot.user = user.name
+            elif user.robot_gone_at is None:
+                user.robot_gone_at = now
+        queue = [_restore_waiting(fields, then, now) for fields in saved["queue"]]
+        for waiting in queue:
+            offered = robots.get_robot(waiting.offer) if waiting.offer is not None else None
+            if offered is not None:
+                offered.user = waiting.name
+        is_paused = bool(saved.get("paused"))
+        return State(
+            robots=robots,
+            users=users,
+            game=Game(saved["game"]),
+            ends_at=(now if is_paused else then) + float(saved["left"]),
+            paused_at=now if is_paused else None,
+            battle=int(saved["battle"]),
+            notice=str(saved["notice"]),
+            queue=queue,
+            queue_since=now,
+            leavers=[_restore_user(fields, then, now) for fields in saved["leavers"]],
+            result=tuple(Placing(**fields) for fields in saved["result"]),
+            rules={rule: value for rule, value in saved.get("rules", {}).items() if rule in DECLARED},
+            banned=list(saved.get("banned", ())),
+            words=tuple(saved.get("words", ())),
+            message=str(saved.get("message", "")),
+        )
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"not a state of the game: {error!r}") from None
+
+
+def _fields(placing: Placing) -> dict[str, Any]:
+    return {name: getattr(placing, name) for name in Placing.__slots__}
+
+
+def _save_robot(robot: Robot) -> dict[str, Any]:
+    return {
+        "id": robot.id,
+        "caller": robot.caller,
+        "key": robot.key,
+        "address": robot.address,
+        "linked": robot.linked,
+    }
+
+
+def _save_user(user: User, now: float) -> dict[str, Any]:
+    return {
+        "name": user.name,
+        "robot": user.robot,
+        "session": user.session,
+        "avatar": user.avatar,
+        "life": user.life,
+        "ready": user.ready,
+        "died": None if user.died_at is None else user.died_at - now,
+        "left": None if user.left_at is None else user.left_at - now,
+        "gone": None if user.robot_gone_at is None else user.robot_gone_at - now,
+        "battles": user.battles,
+        "address": user.address,
+    }
+
+
+def _save_waiting(waiting: Waiting, now: float) -> dict[str, Any]:
+    return {
+        "name": waiting.name,
+        "session": waiting.session,
+        "avatar": waiting.avatar,
+        "offer": waiting.offer,
+        "ends": waiting.offer_ends - now,
+        "first": waiting.first,
+        "passed_on": waiting.passed_on,
+        "address": waiting.address,
+    }
+
+
+def _restore_user(fields: Mapping[str, Any], then: float, now: float) -> User:
+    def moment(offset: float | None) -> float | None:
+        return None if offset is None else then + offset
+
+    return User(
+        name=fields["name"],
+        robot=fields["robot"],
+        session=fields["session"],
+        avatar=fields["avatar"],
+        seen=now,
+        life=fields["life"],
+        ready=fields["ready"],
+        died_at=moment(fields["died"]),
+        left_at=moment(fields["left"]),
+        idle_since=now,
+        ready_since=now,
+        robot_gone_at=moment(fields["gone"]),
+        battles=fields["battles"],
+        address=fields["address"],
+    )
+
+
+def _restore_waiting(fields: Mapping[str, Any], then: float, now: float) -> Waiting:
+    return Waiting(
+        name=fields["name"],
+        session=fields["session"],
+        avatar=fields["avatar"],
+        seen=now,
+        offer=fields["offer"],
+        offer_ends=then + fields["ends"],
+        first=fields.get("first", False),
+        passed_on=fields.get("passed_on", False),
+        address=fields["address"],
+    )

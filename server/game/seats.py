@@ -1,0 +1,118 @@
+"""Who gets a robot, and for how long, when there are more people than robots: pure rules over the state.
+
+A robot that nobody has is offered to whoever has waited longest. While somebody waits, a seat is not for ever: who is
+not ready for a while loses it, and so does, between battles, who has played some in a row. Both then wait behind the
+others. An address that has a robot gets another one only when nobody from elsewhere waits.
+"""
+
+from collections.abc import Iterator
+
+from laser_bot_battle.names import Game
+from server.game import events
+from server.game.events import Event
+from server.game.robot import Robot
+from server.game.rules import Rules
+from server.game.state import State
+from server.game.users import User, Waiting
+
+MAX_WAITING = 100
+MAX_WAITING_AT_ADDRESS = 10
+_PAUSE = 20.0  # s between battles, for estimates
+
+
+def next_event(state: State, rules: Rules) -> Event | None:
+    """What is to happen to seats and queue at once; to be asked again until it is nothing."""
+    waiting = _next_waiting(state)
+    if waiting is None:
+        return None
+    robot = next(iter(free_robots(state, rules)), None)
+    if robot is not None:
+        return events.Offered(waiting.name, robot.id, rules.offer)
+    is_break = state.game is Game.STOPPED and rules.battles_in_row
+    if is_break and any(one.offer is None and not one.passed_on for one in state.queue):
+        for user in state.users:
+            if user.battles >= rules.battles_in_row:
+                return events.Unseated(user.name, f"has played {user.battles} in a row, and others wait")
+    return None
+
+
+def has_room(state: State, address: str) -> bool:
+    """Whether one more from that address may wait."""
+    there = sum(waiting.address == address for waiting in state.queue) if address else 0
+    return len(state.queue) < MAX_WAITING and there < MAX_WAITING_AT_ADDRESS
+
+
+def free_robots(state: State, rules: Rules) -> list[Robot]:
+    """Those that can be given to somebody, in the order of their IDs."""
+    given = sum(1 for _ in state.users) + sum(waiting.offer is not None for waiting in state.queue)
+    return [] if rules.seats and given >= rules.seats else state.robots.get_available_robots()
+
+
+def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left | events.Unseated]]:
+    """What happens to players and who waits when nothing is heard of them: when, and what."""
+    for user in state.users:
+        yield user.seen + _patience(user, state, rules), events.Left(user.name, "left the page")
+        if user.robot_gone_at is not None:
+            yield user.robot_gone_at + rules.robot_return, events.Left(user.name, "lost the robot")
+        ends = seat_ends(user, state, rules)
+        if ends is not None:
+            how = f"was not ready for {rules.idle:g} s while others waited"
+            yield ends, events.Unseated(user.name, how)
+    one_of_several = _one_of_several(state)
+    if one_of_several is not None:
+        how = "has one of several robots at one address, and others wait"
+        yield state.queue_since + rules.idle, events.Unseated(one_of_several.name, how)
+    for waiting in state.queue:
+        yield waiting.seen + rules.seat_timeout, events.Left(waiting.name, "left the page")
+        if waiting.offer is not None:
+            yield waiting.offer_ends, events.Left(waiting.name, "did not take the robot in time")
+
+
+def seat_ends(user: User, state: State, rules: Rules) -> float | None:
+    """When the player loses the seat if nothing changes; None: not at all."""
+    if user.ready or state.game is Game.PLAYING or not state.queue:
+        return None
+    return max(user.idle_since, state.queue_since) + rules.idle
+
+
+def estimate(place: int, state: State, rules: Rules) -> float:
+    """About how many seconds until there is a robot for the one at `place` of the queue (1 is the next)."""
+    robots = max(1, sum(robot.in_service for robot in state.robots))
+    if rules.seats:
+        robots = min(robots, rules.seats)
+    turn = (rules.battles_in_row or 1) * (rules.battle_limit / 2 + rules.countdown + _PAUSE)
+    return turn * place / robots
+
+
+def _served(state: State) -> set[str]:
+    """The addresses that have a robot. Whose address is not known counts as from an address of its own."""
+    served = {user.address for user in state.users}
+    served |= {waiting.address for waiting in state.queue if waiting.offer is not None}
+    return served - {""}
+
+
+def _one_of_several(state: State) -> User | None:
+    """A player of an address that has several robots, while somebody waits whose address has none. Whoever fights is
+    left alone."""
+    served = _served(state)
+    if not any(waiting.offer is None and waiting.address not in served for waiting in state.queue):
+        return None
+    seated = [user.address for user in state.users]
+    several = [
+        user
+        for user in state.users
+        if user.address and seated.count(user.address) > 1 and not (user.ready and state.game is Game.PLAYING)
+    ]
+    return several[-1] if several else None
+
+
+def _next_waiting(state: State) -> Waiting | None:
+    """Who gets the next robot."""
+    waiting = [waiting for waiting in state.queue if waiting.offer is None]
+    served = _served(state)
+    return next((one for one in waiting if one.first or one.address not in served), waiting[0] if waiting else None)
+
+
+def _patience(user: User, state: State, rules: Rules) -> float:
+    """How long the page may be silent: who fights must be there, others may have a phone that sleeps."""
+    return rules.player_timeout if state.game is Game.PLAYING and user.ready else rules.seat_timeout

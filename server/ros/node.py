@@ -1,0 +1,28 @@
+"""rospy in a program of the master."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import rospy
+
+from laser_bot_battle.log import configure_logging
+from server.node import Node
+from server.ros.tcpros_guard import guard_handshakes, name_peers
+
+
+@contextmanager
+def rospy_node(node: Node) -> Iterator[None]:
+    """rospy's node while the program works. OSError when it cannot be started."""
+    guard_handshakes()
+    try:
+        rospy.init_node(node.name, disable_signals=True, disable_rosout=True)
+    except rospy.ROSException as error:
+        raise OSError(str(error)) from error
+    name_peers()
+    configure_logging(node.settings.log_level)
+    rospy.on_shutdown(lambda: node.fail("ROS has shut this node down"))
+    try:
+        yield
+    finally:
+        node.ending.set()  # the shutdown is ours
+        rospy.signal_shutdown("the program ends")

@@ -1,0 +1,61 @@
+"""Where the robots are, by `/positions`: the track of each battle. Needs an initialised node.
+
+Without such a topic there is no track, and everything else is as usual.
+"""
+
+import threading
+import time
+from collections.abc import Callable
+
+import rospy
+
+from laser_bot_battle.msg import Positions
+from laser_bot_battle.names import POSITIONS, Game
+from server.game.snapshot import Snapshot
+from server.store.track import Floor, Piece, Pose, Track
+
+
+class PositionsListener:
+    """Gives `keep` the pieces of each battle's track, in order; that must not block."""
+
+    def __init__(self, keep: Callable[[Piece], None]) -> None:
+        self._keep = keep
+        self._lock = threading.Lock()
+        self._track: Track | None = None
+        rospy.Subscriber(POSITIONS, Positions, self._see, queue_size=1)
+
+    def follow(self, snapshot: Snapshot) -> None:
+        """A listener of the game; does not block."""
+        battle = snapshot.battle if snapshot.game is Game.PLAYING else None
+        with self._lock:
+            if battle == (self._track and self._track.battle):
+                return
+            self._end()
+            if battle is not None:
+                robots = [player.robot for player in snapshot.players if player.ready]
+                self._track = Track(battle, robots, snapshot.time_left)
+
+    def stop(self) -> None:
+        with self._lock:
+            self._end()
+
+    def _end(self) -> None:
+        piece = self._track and self._track.take()
+        self._track = None
+        if piece:
+            self._keep(piece)
+
+    def _see(self, message: Positions) -> None:
+        now = time.monotonic()
+        with self._lock:
+            piece = self._track and self._track.see(now, *from_message(message))
+            if piece:
+                self._keep(piece)
+
+
+def from_message(message: Positions) -> tuple[Floor, dict[int, Pose]]:
+    """The floor, and by ID where the robots are."""
+    ends = iter(message.walls)
+    walls = tuple(zip(ends, ends, ends, ends, strict=False))  # what is left of an incomplete one is nothing
+    poses = {one.robot: (one.x, one.y, one.heading) for one in message.robots}
+    return Floor(message.width, message.height, walls), poses

@@ -1,0 +1,51 @@
+// A battle played again, from its JSON (docs/results.md). Pure: what there was to see at a time in s since it began.
+
+const FULL_LIFE = 100;
+const FLASH = 0.5; // s that a hit is shown
+const GAP = 5; // s between two sights; in more, nobody knows the way
+
+const turn = (from, to) => ((to - from + 540) % 360) - 180; // the short way, in degrees
+
+/** The place of the newest of the rising `times` that is not after `at`; 0 if all are. */
+function newest(times, at) {
+  let [low, high] = [0, times.length];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (times[middle] <= at) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+/** Where the robot was: { x, y, heading } in m and degrees, null if it was not seen. */
+export function poseAt(track, robot, at) {
+  const { times } = track;
+  const seen = track.robots[robot] ?? [];
+  const place = newest(times, at);
+  const [before, after] = [seen[place], seen[place + 1]];
+  if (!before) return null;
+  const [x, y, heading] = before;
+  if (!after || at <= times[place] || times[place + 1] - times[place] > GAP) return { x, y, heading };
+  const part = (at - times[place]) / (times[place + 1] - times[place]);
+  return { x: x + part * (after[0] - x), y: y + part * (after[1] - y), heading: heading + part * turn(heading, after[2]) };
+}
+
+/** How the fighter was: { life, hit (just now), out (dead, or left) }. */
+export function fighterAt(timeline, name, at) {
+  const own = timeline.filter((moment) => moment.name === name && moment.at <= at);
+  const life = own.at(-1)?.life ?? FULL_LIFE;
+  return {
+    life,
+    hit: own.some((moment) => moment.what === "hit" && at - moment.at < FLASH),
+    out: life === 0 || own.some((moment) => moment.what === "left"),
+  };
+}
+
+/** How long there is something to see. */
+export const lengthOf = ({ seconds, track }) => seconds ?? track.times.at(-1);
+
+/** Like 4:05. */
+export function clock(seconds) {
+  const whole = Math.round(seconds);
+  return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
+}

@@ -1,0 +1,67 @@
+"""How a battle went for each fighter, from its events. Pure."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from server.game.users import FULL_LIFE
+
+KINDS = ("BattleStarted", "Hit", "Left", "Unseated", "RobotGone")  # the events that matter here, by server.game.events
+
+
+@dataclass(slots=True)
+class Course:
+    """All times are seconds since the battle began."""
+
+    name: str
+    robot: int
+    avatar: int
+    lives: list[tuple[float, int]] = field(default_factory=lambda: [(0.0, FULL_LIFE)])  # since when, how much
+    out: float | None = None  # when the fighter died or left, whichever came first
+    left: float | None = None
+
+    @property
+    def life(self) -> int:
+        """What was left at the end."""
+        return self.lives[-1][1]
+
+    @property
+    def hits(self) -> int:
+        """Taken."""
+        return len(self.lives) - 1
+
+    def hit(self, at: float, life: int) -> None:
+        self.lives.append((at, life))
+        if life == 0:
+            self.out = at
+
+    def leave(self, at: float) -> None:
+        if self.left is None:
+            self.left = at
+        if self.out is None:
+            self.out = at
+
+
+def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Course]:
+    """The courses of one battle's fighters, from its events as they are kept: Unix time in s, kind, fields."""
+    found: list[Course] = []
+    began = 0.0
+    for at, kind, data in recorded:
+        now = at - began
+        match kind:
+            case "BattleStarted":
+                began = at
+                found = [Course(one["name"], one["robot"], one["avatar"]) for one in data["fighters"]]
+            case "Hit":
+                for course in found:
+                    if course.name == data["name"]:
+                        course.hit(now, data["life"])
+            case "Left" | "Unseated":
+                for course in found:
+                    if course.name == data["name"]:
+                        course.leave(now)
+            case "RobotGone":
+                for course in found:
+                    if course.robot == data["robot"]:
+                        course.leave(now)
+    return found

@@ -1,0 +1,355 @@
+"""What was decided, kept: events, battles, robots' IDs and the newest state of the game.
+
+The game never waits for the database and does not end with it: what is to be written waits in memory until it can be.
+A driver's errors are of many kinds, and none of them is the game's: here every exception is a fault of the database.
+"""
+
+import logging
+import sqlite3
+import threading
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import URL, Connection, Engine, create_engine, delete, event, func, insert, select, update
+from sqlalchemy.exc import DatabaseError
+
+from server.game import events
+from server.game.events import Recorded, kind_of, to_json
+from server.store import schema, versions
+from server.store.fighters import keep_fighters
+from server.store.forget import find_forgotten, renamed
+from server.store.track import Piece
+
+_log = logging.getLogger(__name__)
+
+MAX_WAITING = 20_000  # events that wait for a database that is away; a battle has some hundred
+MAX_PIECES = 60  # of tracks that wait, too: about ten minutes
+WRITTEN_AGAIN = "the database can be written again"
+RETRY = 1.0  # s between attempts
+CLOSE_WITHIN = 1.0  # s
+_SECRET = ("session", "key", "address")  # of events: nobody needs them any more, and they are personal
+_BUSY = 3.0  # s that a statement may wait for another program, and for a server's answer
+
+
+@dataclass(frozen=True)
+class _Attempt:
+    """A transaction that may be committed although it failed: a server can do what it was told and not say so."""
+
+    newest: int  # ID of the newest event before it, 0 for none
+    last: Recorded  # of those that it would have added
+    battle: int | None  # row of the one that runs after it
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What an earlier program has left."""
+
+    robots: Mapping[str, int] = field(default_factory=dict)  # IDs by ROS names
+    battles: int = 0  # number of the last one
+    state: Mapping[str, Any] | None = None  # see server.game.saved
+    saved_at: float = 0.0  # Unix time in s
+
+
+class AwayError(Exception):
+    """The database cannot be read now; why."""
+
+
+class Database:
+    """A thread of its own writes. `problem` says why it cannot, "" while it can."""
+
+    def __init__(
+        self, url: URL, wall: Callable[[], float] = time.time, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.problem = ""
+        self.found: Callable[[Kept], None] = lambda kept: None  # told what is there, when it could not be read before
+        self._unread = False
+        self._url = url
+        self._wall, self._clock = wall, clock
+        self._engine = make_engine(url)
+        self._changed = threading.Condition()
+        self._waiting: list[Recorded] = []
+        self._in_hand = 0  # of what waits, what the thread is about to write
+        self._saved: Mapping[str, Any] | None = None
+        self._pieces: list[Piece] = []
+        self._battle: int | None = None  # row of the one that runs, as far as it is written
+        self._unsure: _Attempt | None = None
+        self._closing = False
+        self._thread = threading.Thread(target=self._run, name="database", daemon=True)
+
+    def open(self, patience: float = 0.0) -> Kept:
+        """What is there. A file that is no database is put aside; any other failure is logged, and nothing is there.
+
+        A server that cannot be reached may just be starting: for `patience` s it is asked again.
+        """
+        end = time.monotonic() + patience
+        while (kept := self._try_load()) is None and not self._is_file and time.monotonic() < end:
+            time.sleep(RETRY)
+        self._unread = kept is None
+        self._thread.start()
+        return kept or Kept()
+
+    def keep_robots(self, ids: Mapping[str, int]) -> None:
+        """Add IDs by ROS names, which are not there yet. A failure is logged."""
+        try:
+            with self._transaction() as connection:
+                for caller, robot in ids.items():
+                    _keep_robot(connection, caller, robot)
+        except Exception as error:
+            self._tell(error)
+
+    def record(self, recorded: Sequence[Recorded], saved: Mapping[str, Any]) -> None:
+        """Keep these events, and the state after them. Does not block; from one thread."""
+        with self._changed:
+            self._waiting += recorded
+            self._saved = saved
+            if len(self._waiting) > MAX_WAITING:
+                del self._waiting[: len(self._waiting) - MAX_WAITING]
+            self._changed.notify()
+
+    def keep_piece(self, piece: Piece) -> None:
+        """Keep a piece of the track of the newest battle of that number. Does not block."""
+        with self._changed:
+            self._pieces = [*self._pieces, piece][-MAX_PIECES:]
+            self._changed.notify()
+
+    @property
+    def waiting(self) -> int:
+        """How many events are not yet written."""
+        with self._changed:
+            return len(self._waiting) + self._in_hand
+
+    @property
+    def version(self) -> str:
+        """Of what keeps it, as far as that is known."""
+        numbers = self._engine.dialect.server_version_info or ()
+        return " ".join([self._url.get_backend_name(), ".".join(map(str, numbers))]).strip()
+
+    @contextmanager
+    def reading(self) -> Iterator[Connection]:
+        """For any thread. AwayError if it cannot be read now."""
+        try:
+            with self._engine.connect() as connection:
+                yield connection
+        except Exception as error:
+            raise AwayError(_reason(error)) from error
+
+    def close(self) -> None:
+        """Write what waits, if that is possible soon, and end."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify()
+        if self._thread.is_alive():
+            self._thread.join(CLOSE_WITHIN)
+        self._engine.dispose()
+
+    # the thread
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                while not self._saved and not self._pieces and not self._closing:
+                    self._changed.wait()
+                recorded, saved, pieces = self._waiting, self._saved, self._pieces
+                self._waiting, self._saved, self._pieces, self._in_hand = [], None, [], len(recorded)
+            written = not (saved or pieces) or self._write(recorded, saved, pieces)
+            with self._changed:
+                self._in_hand = 0
+                if not written:
+                    self._waiting = (recorded + self._waiting)[-MAX_WAITING:]
+                    self._saved = self._saved or saved
+                    self._pieces = (pieces + self._pieces)[-MAX_PIECES:]
+                    self._changed.wait_for(lambda: self._closing, RETRY)
+                if self._closing and not (written and (self._saved or self._pieces)):
+                    return
+
+    def _write(self, recorded: list[Recorded], saved: Mapping[str, Any] | None, pieces: Sequence[Piece]) -> bool:
+        """Whether it could be done. What turns out to be there already is taken out of `recorded`."""
+        if self._unread:
+            kept = self._try_load()
+            if kept is None:
+                return False
+            self._unread, self._battle = False, None
+            _log.warning(WRITTEN_AGAIN)
+            if kept.state is not None:
+                try:
+                    self.found(kept)
+                except Exception:
+                    _log.exception("what the database had could not be taken over")
+                return False  # the next state has what was found
+        try:
+            with self._transaction() as connection:
+                if self.problem:
+                    versions.prepare(connection)
+                battle, offset = self._battle, self._wall() - self._clock()
+                if saved:
+                    battle = self._write_events(connection, recorded, saved, offset)
+                for piece in pieces:
+                    _keep_piece(connection, piece, offset)
+        except Exception as error:
+            self._tell(error)
+            self._engine.dispose()  # a connection that was given up may still get the answer
+            return False
+        self._battle, self._unsure = battle, None
+        if self.problem:
+            _log.warning(WRITTEN_AGAIN)
+        self.problem = ""
+        return True
+
+    def _write_events(
+        self, connection: Connection, recorded: list[Recorded], saved: Mapping[str, Any], offset: float
+    ) -> int | None:
+        """Returns the row of the battle that runs after them."""
+        connection.execute(delete(schema.state))  # first, since it waits for an earlier attempt to end
+        newest = connection.scalar(select(func.max(schema.events.c.id))) or 0
+        if self._unsure and newest > self._unsure.newest:
+            self._battle, recorded[:] = self._unsure.battle, _after(self._unsure.last, recorded)
+            self._unsure = None
+        battle = self._battle
+        forgotten = find_forgotten(connection, saved)
+        for one in recorded:
+            battle = _keep(connection, one, offset, battle, forgotten)
+        data = renamed(dict(saved), forgotten)
+        connection.execute(insert(schema.state).values(id=1, at=self._wall(), data=data))
+        if recorded:
+            self._unsure = _Attempt(newest, recorded[-1], battle)
+        return battle
+
+    def _try_load(self) -> Kept | None:
+        try:
+            try:
+                kept = self._load()
+            except DatabaseError as error:
+                if not self._is_broken_file(error):
+                    raise
+                self._put_aside(error)
+                kept = self._load()
+        except Exception as error:
+            self._tell(error)
+            self._engine.dispose()
+            return None
+        self.problem = ""
+        return kept
+
+    def _load(self) -> Kept:
+        with self._transaction() as connection:
+            versions.prepare(connection)
+            row = connection.execute(select(schema.state.c.at, schema.state.c.data)).first()
+            last = connection.execute(select(schema.battles).order_by(schema.battles.c.id.desc()).limit(1)).first()
+            if row and last and last.ended is None and last.number == row.data.get("battle"):
+                self._battle = last.id
+            return Kept(
+                robots={row.caller: row.robot for row in connection.execute(select(schema.robots))},
+                battles=last.number if last else 0,
+                state=row.data if row else None,
+                saved_at=row.at if row else 0.0,
+            )
+
+    @property
+    def _is_file(self) -> bool:
+        return self._url.get_backend_name() == "sqlite"
+
+    @contextmanager
+    def _transaction(self) -> Iterator[Connection]:
+        if self._is_file and self._url.database:
+            Path(self._url.database).parent.mkdir(parents=True, exist_ok=True)
+        with self._engine.begin() as connection:
+            yield connection
+
+    def _tell(self, error: Exception) -> None:
+        reason = _reason(error)
+        if not self.problem:
+            _log.error("the database %s cannot be used (%s): the game goes on without it", self._url, reason)
+        self.problem = reason
+
+    def _is_broken_file(self, error: DatabaseError) -> bool:
+        code = getattr(error.orig, "sqlite_errorcode", None)
+        return bool(self._url.database) and code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
+
+    def _put_aside(self, error: DatabaseError) -> None:
+        self._engine.dispose()
+        path = Path(self._url.database or "")
+        _log.error("%s is broken (%s): kept as %s.broken, and begun anew", path, error.orig, path.name)
+        for suffix in ("", "-wal", "-shm"):
+            part = path.with_name(path.name + suffix)
+            if part.exists():
+                part.replace(part.with_name(f"{path.name}.broken{suffix}"))
+
+
+def _reason(error: BaseException) -> str:
+    """In one line, by the part that knows: the file's library, the server or the network."""
+    cause = getattr(error, "orig", None) or error
+    if cause.args and isinstance(cause.args[0], dict):  # the fields of PostgreSQL's error message
+        return str(cause.args[0].get("M", cause))
+    reason = f"{cause}, {cause.__cause__}" if isinstance(cause.__cause__, OSError) else str(cause)
+    return " ".join(reason.split()) or type(cause).__name__
+
+
+def _after(last: Recorded, recorded: list[Recorded]) -> list[Recorded]:
+    """What comes after `last`; all, when that is too old to be among them."""
+    places = [place for place, one in enumerate(recorded) if one is last]
+    return recorded[places[0] + 1 :] if places else recorded
+
+
+def _keep(
+    connection: Connection, recorded: Recorded, offset: float, battle: int | None, forgotten: Mapping[str, str]
+) -> int | None:
+    """Write one event; returns the row of the battle that runs after it."""
+    decided, at = recorded.event, recorded.at + offset
+    match decided:
+        case events.RobotLinked(robot, True, caller) if caller:  # a name alone is not a robot
+            _keep_robot(connection, caller, robot)
+        case events.BattleStarted(number):
+            made = connection.execute(insert(schema.battles).values(number=number, began=at))
+            battle = made.inserted_primary_key[0] if made.inserted_primary_key else None
+    fields = renamed(to_json(decided), forgotten) | {name: "" for name in _SECRET if hasattr(decided, name)}
+    connection.execute(insert(schema.events).values(at=at, battle=battle, kind=kind_of(decided), data=fields))
+    if isinstance(decided, events.BattleEnded):
+        connection.execute(
+            update(schema.battles)
+            .where(schema.battles.c.id == battle)
+            .values(ended=at, cause=fields["cause"], result=fields["result"], counts=fields.get("counts", True))
+        )
+    if isinstance(decided, events.BattleStarted | events.BattleEnded) and battle is not None:
+        keep_fighters(connection, battle)
+    return None if isinstance(decided, events.BattleEnded) else battle
+
+
+def _keep_piece(connection: Connection, piece: Piece, offset: float) -> None:
+    """What has no battle is left out: the battle's beginning was lost while the database was away."""
+    battles = schema.battles.c
+    newest = select(battles.id, battles.began).where(battles.number == piece.battle).order_by(battles.id.desc())
+    if row := connection.execute(newest.limit(1)).first():
+        connection.execute(insert(schema.tracks).values(battle=row.id, data=piece.to_json(row.began - offset)))
+
+
+def _keep_robot(connection: Connection, caller: str, robot: int) -> None:
+    connection.execute(
+        delete(schema.robots).where((schema.robots.c.caller == caller) | (schema.robots.c.robot == robot))
+    )
+    connection.execute(insert(schema.robots).values(caller=caller, robot=robot))
+
+
+def make_engine(url: URL) -> Engine:
+    """By which the database at `url` is written and read."""
+    if url.get_backend_name() != "sqlite":
+        # it writes a traceback for each connection that the other end has broken; what is wrong is told by us, once
+        logging.getLogger("sqlalchemy.pool").setLevel(logging.CRITICAL)
+        return create_engine(url, connect_args={"timeout": _BUSY}, pool_pre_ping=True)
+    engine = create_engine(url, connect_args={"timeout": _BUSY})
+
+    @event.listens_for(engine, "connect")
+    def settle(connection: Any, _: object) -> None:
+        # a commit outlives the program by the log alone; only a power cut may take the last ones
+        try:
+            connection.execute("PRAGMA journal_mode=WAL")
+            connection.execute("PRAGMA synchronous=NORMAL")
+            connection.execute("PRAGMA foreign_keys=ON")
+        except sqlite3.Error:
+            connection.close()  # nobody else would
+            raise
+
+    return engine

@@ -1,0 +1,41 @@
+"""The table of who fought: what a battle's events come to, so that a leaderboard need not read them all."""
+
+from sqlalchemy import Connection, delete, insert, select
+
+from server.store import schema
+from server.store.course import KINDS, Course, courses
+
+
+def read_courses(connection: Connection, battle: int) -> list[Course]:
+    """How the battle in that row went for each fighter."""
+    events = schema.events.c
+    recorded = connection.execute(
+        select(events.at, events.kind, events.data)
+        .where(events.battle == battle, events.kind.in_(KINDS))
+        .order_by(events.id)
+    )
+    return courses((row.at, row.kind, row.data) for row in recorded)
+
+
+def keep_fighters(connection: Connection, battle: int) -> None:
+    """Write who fought in the battle in that row, as far as it has gone."""
+    fighters, battles = schema.fighters, schema.battles.c
+    row = connection.execute(select(battles.began, battles.ended, battles.result).where(battles.id == battle)).one()
+    placings = {placing["name"]: placing for placing in row.result or ()}
+    lasted = (row.ended or row.began) - row.began
+    connection.execute(delete(fighters).where(fighters.c.battle == battle))
+    for course in read_courses(connection, battle):
+        placing = placings.get(course.name, {})
+        connection.execute(
+            insert(fighters).values(
+                battle=battle,
+                name=course.name,
+                robot=course.robot,
+                avatar=course.avatar,
+                place=placing.get("place"),
+                life=placing.get("life", course.life),
+                left=placing.get("left", course.left is not None),
+                hits=course.hits,
+                seconds=lasted if course.out is None else min(course.out, lasted),
+            )
+        )

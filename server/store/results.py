@@ -1,0 +1,179 @@
+"""What was played: battles and the leaderboard, read beside the thread that writes (see database.py)."""
+
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import URL, Connection, Engine, NullPool, Row, case, create_engine, exists, func, select
+from sqlalchemy.exc import SQLAlchemyError
+
+from laser_bot_battle.names import Game
+from server.store import schema
+from server.store.course import Course
+from server.store.database import AwayError, make_engine
+from server.store.fighters import read_courses
+from server.store.track import join
+
+MAX_PLAYERS = 500  # in a leaderboard
+_READERS = 2  # at a time: the other threads of the web server are for the game
+_TURN_WITHIN = 0.5  # s to wait for one's turn
+_BUSY = 1.0  # s that a query may wait for a program that holds the file
+
+
+class BusyError(Exception):
+    """Too many read at the same time."""
+
+
+@dataclass(frozen=True, slots=True)
+class Fighter:
+    """One player's part in a battle; times in s."""
+
+    name: str
+    robot: int
+    avatar: int
+    place: int | None  # None: the battle has no result
+    life: int
+    left: bool  # before the end
+    hits: int  # taken
+    seconds: float  # until death, leaving or the end
+
+
+@dataclass(frozen=True, slots=True)
+class Battle:
+    """Times are Unix times in s."""
+
+    id: int
+    number: int  # for people, not unique
+    began: float
+    ended: float | None
+    cause: str | None  # of the end
+    counts: bool  # False: aborted
+    running: bool  # now; one that neither runs nor has ended was cut off
+    fighters: tuple[Fighter, ...]  # best first
+
+    @property
+    def seconds(self) -> float | None:
+        return None if self.ended is None else max(0.0, self.ended - self.began)
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """One line of the leaderboard: battles that count."""
+
+    place: int
+    name: str
+    battles: int
+    wins: int  # first places, shared ones too
+    hits: int  # taken
+    seconds: float  # played
+
+
+class Results:
+    """Thread-safe. Each method raises AwayError or BusyError when it cannot answer now."""
+
+    def __init__(self, url: URL) -> None:
+        self._engine = _reader(url)
+        self._turns = threading.BoundedSemaphore(_READERS)
+
+    def battles(self, page: int, size: int) -> tuple[list[Battle], int]:
+        """Those of a page, newest first (page 1 has the newest), and how many there are in all."""
+        with self._reading() as connection:
+            total = connection.scalar(select(func.count()).select_from(schema.battles)) or 0
+            rows = connection.execute(
+                select(schema.battles).order_by(schema.battles.c.id.desc()).limit(size).offset((page - 1) * size)
+            ).all()
+            return _with_fighters(connection, rows), total
+
+    def battle(self, battle: int) -> tuple[Battle, list[Course]] | None:
+        """The battle with that ID and how it went, None if there is none."""
+        with self._reading() as connection:
+            rows = connection.execute(select(schema.battles).where(schema.battles.c.id == battle)).all()
+            if not rows:
+                return None
+            return _with_fighters(connection, rows)[0], read_courses(connection, battle)
+
+    def has_track(self, battle: int) -> bool:
+        """Whether it is known where the robots were in that battle."""
+        with self._reading() as connection:
+            return bool(connection.scalar(select(exists().where(schema.tracks.c.battle == battle))))
+
+    def track(self, battle: int) -> dict[str, Any] | None:
+        """Where the robots were in that battle, see server.store.track.join."""
+        tracks = schema.tracks.c
+        with self._reading() as connection:
+            return join(connection.scalars(select(tracks.data).where(tracks.battle == battle).order_by(tracks.id)))
+
+    def leaderboard(self, begin: float, end: float) -> list[Standing]:
+        """Who has won most, in battles that began from `begin` to before `end`; equals by fewer hits per battle."""
+        fighters, battles = schema.fighters.c, schema.battles.c
+        played, hits = func.count(), func.sum(fighters.hits)
+        wins = func.sum(case((fighters.place == 1, 1), else_=0))
+        query = (
+            select(fighters.name, played, wins, hits, func.sum(fighters.seconds))
+            .join(schema.battles, battles.id == fighters.battle)
+            .where(battles.began >= begin, battles.began < end, battles.counts, battles.ended.is_not(None))
+            .group_by(fighters.name)
+            .order_by(wins.desc(), (hits * 1.0 / played), fighters.name)
+            .limit(MAX_PLAYERS)
+        )
+        with self._reading() as connection:
+            return [Standing(place, *row) for place, row in enumerate(connection.execute(query), 1)]
+
+    @contextmanager
+    def _reading(self) -> Iterator[Connection]:
+        if not self._turns.acquire(timeout=_TURN_WITHIN):
+            raise BusyError
+        try:
+            with self._engine.connect() as connection:
+                yield connection
+        except (SQLAlchemyError, OSError) as error:
+            raise AwayError(str(getattr(error, "orig", None) or error)) from error
+        finally:
+            self._turns.release()
+
+
+def _with_fighters(connection: Connection, rows: Sequence[Row[Any]]) -> list[Battle]:
+    fighters: dict[int, list[Fighter]] = {row.id: [] for row in rows}
+    ordered = (
+        select(schema.fighters)
+        .where(schema.fighters.c.battle.in_(fighters))
+        .order_by(schema.fighters.c.place, schema.fighters.c.id)
+    )
+    for row in connection.execute(ordered):
+        fighters[row.battle].append(
+            Fighter(row.name, row.robot, row.avatar, row.place, row.life, row.left, row.hits, row.seconds)
+        )
+    running = _running(connection)
+    return [
+        Battle(
+            id=row.id,
+            number=row.number,
+            began=row.began,
+            ended=row.ended,
+            cause=row.cause,
+            counts=row.counts,
+            running=row.id == running,
+            fighters=tuple(fighters[row.id]),
+        )
+        for row in rows
+    ]
+
+
+def _running(connection: Connection) -> int | None:
+    """The row of the battle that runs, if one does."""
+    state = connection.scalar(select(schema.state.c.data))
+    last = connection.execute(select(schema.battles).order_by(schema.battles.c.id.desc()).limit(1)).first()
+    if not state or not last or last.ended is not None:
+        return None
+    return last.id if (state.get("game"), state.get("battle")) == (Game.PLAYING, last.number) else None
+
+
+def _reader(url: URL) -> Engine:
+    """SQLite's file is opened for each query, read-only: it may be put aside, restored or not be there yet."""
+    if url.get_backend_name() != "sqlite" or not url.database:
+        return make_engine(url)
+    file = URL.create("sqlite", database=Path(url.database).absolute().as_uri(), query={"mode": "ro", "uri": "true"})
+    return create_engine(file, poolclass=NullPool, connect_args={"timeout": _BUSY})

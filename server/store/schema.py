@@ -1,0 +1,97 @@
+"""The tables of the database."""
+
+from sqlalchemy import (
+    JSON,
+    Boolean,
+    Column,
+    Float,
+    ForeignKey,
+    Index,
+    Integer,
+    MetaData,
+    String,
+    Table,
+    Text,
+    false,
+    true,
+)
+
+metadata = MetaData()
+
+schema = Table("schema", metadata, Column("version", Integer, nullable=False))
+
+# which named robot has which ID
+robots = Table(
+    "robots",
+    metadata,
+    Column("caller", String(255), primary_key=True),  # ROS name of its client
+    Column("robot", Integer, nullable=False, unique=True),
+)
+
+battles = Table(
+    "battles",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column(
+        "number", Integer, nullable=False
+    ),  # for people; begins anew when the game had to begin without the database
+    Column("began", Float, nullable=False),  # Unix time in s, as all times here
+    Column("ended", Float),
+    Column("cause", Text),
+    Column("result", JSON),  # list of Placing
+    Column("counts", Boolean, nullable=False, server_default=true()),  # False: aborted, nobody has won
+    Index("battles_began", "began"),
+)
+
+# who fought; made from the battle's events when it begins and again when it ends, see server.store.fighters
+fighters = Table(
+    "fighters",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("battle", Integer, ForeignKey("battles.id"), nullable=False, index=True),
+    Column("name", String(64), nullable=False, index=True),
+    Column("robot", Integer, nullable=False),
+    Column("avatar", Integer, nullable=False),
+    Column("place", Integer),  # None until the battle has ended
+    Column("life", Integer, nullable=False),
+    Column("left", Boolean, nullable=False, server_default=false()),  # was gone before the end
+    Column("hits", Integer, nullable=False),  # taken
+    Column("seconds", Float, nullable=False),  # until death, leaving or the end
+)
+
+events = Table(
+    "events",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("at", Float, nullable=False),
+    Column("battle", Integer, ForeignKey("battles.id"), index=True),  # the one that ran
+    Column("kind", String(32), nullable=False),  # class in server.game.events
+    Column("data", JSON, nullable=False),
+)
+
+# where the robots were in a battle, in pieces of some seconds, see server.store.track
+tracks = Table(
+    "tracks",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("battle", Integer, ForeignKey("battles.id"), nullable=False, index=True),
+    Column("data", JSON, nullable=False),
+)
+
+# the newest state of the game, one row
+state = Table(
+    "state",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("at", Float, nullable=False),
+    Column("data", JSON, nullable=False),  # see server.game.saved
+)
+
+# players whose data were deleted, see server.store.forget
+forgotten = Table(
+    "forgotten",
+    metadata,
+    Column("id", Integer, primary_key=True),  # the number in the name that stands there now: "player 17"
+    Column("at", Float, nullable=False),
+    Column("digest", String(64)),  # SHA-256 (hex) of the name, until the server that runs has forgotten it, too
+)

@@ -1,0 +1,206 @@
+"""The operators' JSON API (docs/operator.md): what they see, and what they decide.
+
+Answers are application/json, refusals `{"error": why}` with 400 or more; those change nothing.
+"""
+
+import logging
+import platform
+import re
+import time
+from collections.abc import Mapping
+from functools import partial
+from importlib import metadata
+from typing import Any, NoReturn
+
+from flask import Blueprint, Response, abort, g, json, jsonify, request
+
+from laser_bot_battle.names import VERSION, operator_ticket
+from server.game import desk
+from server.game.loop import GameLoop
+from server.settings import Settings
+from server.store.database import AwayError, Database
+from server.store.log import EventLog, as_csv, as_json
+from server.web.operator_access import COOKIE, NAMELESS, Access, TooManyError, WrongTokenError
+from server.web.visitors import visitor_address
+
+PREFIX = "/operator/api/"
+MAX_BODY = 256 * 1024  # bytes; the longest honest one is a list of words
+NO_TOKEN = "no operator token is set: start the server with LASERBOT_OPERATOR_TOKEN"
+
+_log = logging.getLogger(__name__)
+
+_ROBOT_ID = re.compile(r"[0-9]{1,3}")
+_BATTLE = {"start": desk.start, "abort": desk.abort, "pause": desk.pause, "resume": desk.resume}
+_NAMES = {"ban": (str,), "unban": (str,), "words": (list,)}
+
+
+def create_operator_api(
+    game: GameLoop, settings: Settings, access: Access, database: Database, log: EventLog
+) -> Blueprint:
+    """The routes, as a Flask blueprint."""
+    api = Blueprint("operator_api", __name__, url_prefix="/operator/api")
+    _add_guard(api, access)
+    _add_views(api, game, settings, database, log)
+    _add_decisions(api, game)
+    return api
+
+
+def refusal(code: int, error: str) -> Response:
+    """The answer to what was wrong, and a line of log."""
+    _log.warning("%s from %s refused: %s", request.path, request.remote_addr, error)
+    response = jsonify(error=error)
+    response.status_code = code
+    return response
+
+
+def json_body(**fields: tuple[type, ...]) -> dict[str, Any]:
+    """The request's JSON object, which may have these fields of these types; another one is refused."""
+    content = _json_object()
+    for name, value in content.items():
+        if name not in fields:
+            _refuse(400, f"there is no field {name[:40]!r}; there are: {', '.join(fields) or 'none'}")
+        if type(value) not in fields[name]:
+            _refuse(400, f"the field {name} is of a wrong type")
+    return content
+
+
+def _add_guard(api: Blueprint, access: Access) -> None:
+    @api.before_request
+    def let_operators_in() -> Response | None:
+        if not access.is_possible:
+            return refusal(404, NO_TOKEN)
+        scheme, _, token = request.headers.get("Authorization", "").partition(" ")
+        if scheme.lower() != "bearer":
+            g.operator = access.name(request.cookies.get(COOKIE, ""))
+            return None if g.operator else refusal(401, "sign in at /operator, or send the operators' token")
+        try:
+            access.check(token.strip(), visitor_address())
+        except WrongTokenError:
+            return refusal(401, "that is not the operators' token")
+        except TooManyError as error:
+            response = refusal(429, "too many wrong tokens came from your address: wait a moment")
+            response.headers["Retry-After"] = str(error.retry_after)
+            return response
+        g.operator = NAMELESS
+        return None
+
+
+def _add_views(api: Blueprint, game: GameLoop, settings: Settings, database: Database, log: EventLog) -> None:
+    address = settings.database.render_as_string(hide_password=True).replace(":***@", "@")
+    versions = {"laserbot": VERSION, "python": platform.python_version(), "ros": _ros_version()}
+
+    @api.get("/state")
+    def state() -> Response:
+        return jsonify(
+            time=time.time(),
+            **game.overview(),
+            database={"url": address, "problem": database.problem, "waiting": database.waiting},
+            versions={**versions, "database": database.version},
+            operator=g.operator,
+            log=log.latest(),
+        )
+
+    @api.get("/drive")
+    def drive() -> Response:
+        game.operate(partial(desk.take_drive, by=g.operator))
+        return jsonify(ticket=operator_ticket(settings.operator_token, time.time()), port=settings.rosbridge_port)
+
+    @api.get("/log.json")
+    def log_json() -> Response:
+        return _download("application/json", "json")
+
+    @api.get("/log.csv")
+    def log_csv() -> Response:
+        return _download("text/csv; charset=utf-8", "csv")
+
+    def _download(content_type: str, ending: str) -> Response:
+        try:
+            entries = log.read()
+        except AwayError as error:
+            return refusal(503, f"the database cannot be read now: {error}")
+        response = Response((as_json if ending == "json" else as_csv)(entries), content_type=content_type)
+        response.headers["Content-Disposition"] = f"attachment; filename=laserbot-log.{ending}"
+        return response
+
+
+def _add_decisions(api: Blueprint, game: GameLoop) -> None:
+    @api.post("/battle")
+    def battle() -> Response:
+        order = json_body(action=(str,), seconds=(int, float))
+        action = _needed(order, "action")
+        if action == "add_time":
+            return decide(desk.add_time, seconds=_needed(order, "seconds"))
+        if action not in _BATTLE or "seconds" in order:
+            _refuse(400, f"action must be one of {', '.join(_BATTLE)}, or add_time with seconds")
+        return decide(_BATTLE[action])
+
+    @api.post("/players/<name>/sign_out")
+    def sign_out(name: str) -> Response:
+        json_body()
+        return decide(desk.sign_out, name=name)
+
+    @api.post("/names")
+    def names() -> Response:
+        change = json_body(**_NAMES)
+        if len(change) != 1:
+            _refuse(400, f"one of {', '.join(_NAMES)} is needed")
+        if "words" not in change:
+            return decide(desk.ban if "ban" in change else desk.unban, name=next(iter(change.values())))
+        if not all(isinstance(word, str) for word in change["words"]):
+            _refuse(400, "words must be a list of texts")
+        return decide(desk.set_words, words=change["words"])
+
+    @api.post("/robots/<robot>")
+    def robots(robot: str) -> Response:
+        change = json_body(in_service=(bool,))
+        if not _ROBOT_ID.fullmatch(robot):
+            _refuse(404, "there is no such robot")
+        return decide(desk.set_service, robot_id=int(robot), in_service=_needed(change, "in_service"))
+
+    @api.put("/rules")
+    def rules() -> Response:
+        return decide(desk.change_rules, changes=_json_object())
+
+    @api.post("/message")
+    def message() -> Response:
+        return decide(desk.show, text=_needed(json_body(text=(str,)), "text"))
+
+    def decide(wish: Any, **wanted: Any) -> Response:
+        try:
+            game.operate(partial(wish, by=g.operator, **wanted))
+        except desk.UnknownError as error:
+            return refusal(404, str(error))
+        except desk.RefusedError as error:
+            return refusal(409, str(error))
+        except ValueError as error:
+            return refusal(400, str(error))
+        return jsonify({})
+
+
+def _json_object() -> dict[str, Any]:
+    if not request.is_json:
+        _refuse(415, "the body must be JSON: Content-Type: application/json")
+    try:
+        content = json.loads(request.get_data())
+    except (ValueError, RecursionError):
+        _refuse(400, "the body is not JSON")
+    if not isinstance(content, dict):
+        _refuse(400, "the body must be a JSON object")
+    return content
+
+
+def _needed(content: Mapping[str, Any], field: str) -> Any:
+    if field not in content:
+        _refuse(400, f"the field {field} is missing")
+    return content[field]
+
+
+def _refuse(code: int, error: str) -> NoReturn:
+    abort(refusal(code, error))
+
+
+def _ros_version() -> str:
+    try:
+        return metadata.version("rospy")
+    except metadata.PackageNotFoundError:
+        return ""

@@ -1,0 +1,309 @@
+"""What was played: pages for people, JSON and CSV for programs (docs/results.md).
+
+Nobody has to sign in. A page or file says what is wrong with a request, or that the database is away, in its own
+format: the game does not depend on it.
+"""
+
+import csv
+import io
+import re
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import date, datetime, timedelta
+from itertools import groupby
+from typing import Any
+
+from flask import Blueprint, Response, make_response, render_template, request
+from jinja2.utils import htmlsafe_json_dumps
+
+from server.store.cells import harmless
+from server.store.course import Course
+from server.store.database import AwayError
+from server.store.results import Battle, BusyError, Fighter, Results, Standing
+from server.web.chart import draw
+
+SIZE, MAX_SIZE = 25, 500  # battles on a page
+_NUMBER = re.compile(r"[1-9][0-9]{0,5}")
+_DAY = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
+_FOREVER = (0.0, 1e11)  # Unix times
+
+
+class Refused(Exception):  # noqa: N818 - the visitor's error, not ours
+    """The request cannot be answered; the text says why."""
+
+    def __init__(self, code: int, text: str) -> None:
+        super().__init__(text)
+        self.code = code
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A part of the list."""
+
+    battles: list[Battle]
+    number: int
+    pages: int
+    size: int
+    total: int
+
+
+def create_results(results: Results) -> Blueprint:
+    """The routes, as a Flask blueprint named `results`."""
+    pages = Blueprint("results", __name__)
+    pages.add_app_template_filter(duration)
+    pages.add_app_template_filter(moment)
+    pages.add_app_template_filter(by_day)
+    _add_battles(pages, results)
+    _add_leaderboard(pages, results)
+
+    @pages.errorhandler(Refused)
+    def refuse(error: Refused) -> Response:
+        return _explain(error.code, str(error))
+
+    @pages.errorhandler(AwayError)
+    def away(_: AwayError) -> Response:
+        return _explain(503, "The database cannot be read now. The game goes on without it; please try again later.")
+
+    @pages.errorhandler(BusyError)
+    def busy(_: BusyError) -> Response:
+        response = _explain(503, "Many people look at the results at this moment. Please try again.")
+        response.headers["Retry-After"] = "2"
+        return response
+
+    return pages
+
+
+def _add_battles(pages: Blueprint, results: Results) -> None:
+    @pages.get("/results")
+    def battles() -> str:
+        return render_template("results.html", page=_page(results))
+
+    @pages.get("/results.json")
+    def battles_json() -> Response:
+        page = _page(results)
+        return _json(
+            battles=[_battle_fields(battle) for battle in page.battles],
+            page=page.number,
+            pages=page.pages,
+            size=page.size,
+            total=page.total,
+        )
+
+    @pages.get("/results.csv")
+    def battles_csv() -> Response:
+        head = "id,number,began,seconds,counts,cause,place,name,robot,life,left,hits_taken,hits_given,played"
+        return _csv("laserbot-results.csv", head, _battle_rows(_page(results).battles))
+
+    @pages.get("/results/<battle>")
+    def battle(battle: str) -> str:
+        found, courses = _find(results, battle)
+        by_place = {fighter.name: place for place, fighter in enumerate(found.fighters)}
+        courses.sort(key=lambda course: by_place.get(course.name, len(by_place)))
+        chart = draw(courses, _length(found, courses))
+        return render_template(
+            "results_battle.html",
+            battle=found,
+            chart=chart,
+            moments=_moments(courses),
+            has_track=results.has_track(found.id),
+        )
+
+    @pages.get("/results/<battle>.json")
+    def battle_json(battle: str) -> Response:
+        found, courses = _find(results, battle)
+        return _json(**_battle_fields(found), timeline=_moments(courses), track=results.track(found.id))
+
+
+def _add_leaderboard(pages: Blueprint, results: Results) -> None:
+    @pages.get("/results/leaderboard")
+    def leaderboard() -> str:
+        day, standings = _standings(results)
+        return render_template("results_leaderboard.html", day=day, today=_today(), standings=standings)
+
+    @pages.get("/results/leaderboard.json")
+    def leaderboard_json() -> Response:
+        day, standings = _standings(results)
+        return _json(day=day, players=[_standing_fields(standing) for standing in standings])
+
+    @pages.get("/results/leaderboard.csv")
+    def leaderboard_csv() -> Response:
+        day, standings = _standings(results)
+        head = "place,name,battles,wins,hits_taken,hits_given,seconds"
+        return _csv(f"laserbot-leaderboard-{day}.csv", head, (_standing_fields(one).values() for one in standings))
+
+
+# what is asked
+
+
+def _page(results: Results) -> Page:
+    number, size = _number("page", 1, 999_999), _number("size", SIZE, MAX_SIZE)
+    battles, total = results.battles(number, size)
+    pages = max(1, -(-total // size))
+    if number > pages:
+        raise Refused(404, f"There is no page {number}: the last one is {pages}.")
+    return Page(battles, number, pages, size, total)
+
+
+def _number(name: str, default: int, highest: int) -> int:
+    given = request.args.get(name, str(default))
+    if not _NUMBER.fullmatch(given) or int(given) > highest:
+        raise Refused(400, f"{name} must be a whole number from 1 to {highest}.")
+    return int(given)
+
+
+def _find(results: Results, battle: str) -> tuple[Battle, list[Course]]:
+    found = results.battle(int(battle)) if _NUMBER.fullmatch(battle) else None
+    if found is None:
+        raise Refused(404, "There is no such battle.")
+    return found
+
+
+def _standings(results: Results) -> tuple[str, list[Standing]]:
+    """The day, or "all", and its leaderboard."""
+    given = request.args.get("day") or "all"
+    if given == "all":
+        return given, results.leaderboard(*_FOREVER)
+    try:
+        if not _DAY.fullmatch(given):
+            raise ValueError
+        day = date.fromisoformat(given)
+        begin, end = (datetime(one.year, one.month, one.day).timestamp() for one in (day, day + timedelta(days=1)))
+    except (ValueError, OverflowError, OSError):
+        raise Refused(400, "day must be a date like 2025-03-01, or all.") from None
+    return given, results.leaderboard(begin, end)
+
+
+# what is answered
+
+
+def _battle_fields(battle: Battle) -> dict[str, Any]:
+    return {
+        "id": battle.id,
+        "number": battle.number,
+        "began": battle.began,
+        "seconds": battle.seconds,
+        "counts": battle.counts,
+        "running": battle.running,
+        "cause": battle.cause,
+        "fighters": [_fighter_fields(fighter) for fighter in battle.fighters],
+    }
+
+
+def _fighter_fields(fighter: Fighter) -> dict[str, Any]:
+    return {
+        "place": fighter.place,
+        "name": fighter.name,
+        "robot": fighter.robot,
+        "life": fighter.life,
+        "left": fighter.left,
+        "hits_taken": fighter.hits,
+        "hits_given": None,  # the light does not tell who shot
+        "seconds": fighter.seconds,
+    }
+
+
+def _standing_fields(standing: Standing) -> dict[str, Any]:
+    return {
+        "place": standing.place,
+        "name": standing.name,
+        "battles": standing.battles,
+        "wins": standing.wins,
+        "hits_taken": standing.hits,
+        "hits_given": None,
+        "seconds": standing.seconds,
+    }
+
+
+def _battle_rows(battles: Iterable[Battle]) -> Iterable[Iterable[object]]:
+    for battle in battles:
+        began = datetime.fromtimestamp(battle.began).astimezone().isoformat(timespec="seconds")
+        for fighter in battle.fighters:
+            fields = _fighter_fields(fighter).values()
+            yield battle.id, battle.number, began, battle.seconds, battle.counts, battle.cause, *fields
+
+
+def _moments(courses: Iterable[Course]) -> list[dict[str, Any]]:
+    """What happened, in its order; `at` in s since the battle began."""
+    moments: list[dict[str, Any]] = []
+    for course in courses:
+        hits = course.lives[1:]
+        moments += [{"at": at, "name": course.name, "what": "hit", "life": life} for at, life in hits]
+        if course.left is not None:
+            moments.append({"at": course.left, "name": course.name, "what": "left", "life": course.life})
+    return sorted(moments, key=lambda moment: float(moment["at"]))
+
+
+def _length(battle: Battle, courses: Iterable[Course]) -> float:
+    """How long the battle lasted, or has lasted."""
+    if battle.seconds is not None:
+        return battle.seconds
+    if battle.running:
+        return time.time() - battle.began
+    return max((course.lives[-1][0] for course in courses), default=0.0)
+
+
+def _json(**content: Any) -> Response:
+    return make_response(
+        str(htmlsafe_json_dumps(content, sort_keys=True)), 200, {"Content-Type": "application/json; charset=utf-8"}
+    )
+
+
+def _csv(file: str, head: str, rows: Iterable[Iterable[object]]) -> Response:
+    """UTF-8 with the mark by which spreadsheets know it."""
+    text = io.StringIO()
+    writer = csv.writer(text)
+    writer.writerow(head.split(","))
+    for row in rows:
+        writer.writerow([_cell(value) for value in row])
+    return make_response(
+        text.getvalue().encode("utf-8-sig"),
+        200,
+        {"Content-Type": "text/csv; charset=utf-8", "Content-Disposition": f'attachment; filename="{file}"'},
+    )
+
+
+def _cell(value: object) -> object:
+    if isinstance(value, bool):
+        return int(value)
+    if isinstance(value, float):
+        return round(value, 1)
+    return harmless(value)
+
+
+def _explain(code: int, text: str) -> Response:
+    if request.path.endswith(".json"):
+        answer = _json(error=text)
+    elif request.path.endswith(".csv"):
+        answer = make_response(f"{text}\n", code, {"Content-Type": "text/plain; charset=utf-8"})
+    else:
+        answer = make_response(render_template("results_error.html", code=code, text=text))
+    answer.status_code = code
+    return answer
+
+
+# for people
+
+
+def duration(seconds: float | None) -> str:
+    """Like 4:05, or 1:02:03; - for none."""
+    if seconds is None:
+        return "-"
+    minutes, second = divmod(round(seconds), 60)
+    hours, minute = divmod(minutes, 60)
+    return f"{hours}:{minute:02}:{second:02}" if hours else f"{minute}:{second:02}"
+
+
+def moment(unix: float) -> datetime:
+    """By the server's clock and time zone."""
+    return datetime.fromtimestamp(unix).astimezone()
+
+
+def by_day(battles: Iterable[Battle]) -> Iterable[tuple[date, list[Battle]]]:
+    """The battles of each day, in the order in which they come."""
+    for day, ones in groupby(battles, lambda battle: moment(battle.began).date()):
+        yield day, list(ones)
+
+
+def _today() -> str:
+    return date.today().isoformat()

@@ -1,0 +1,280 @@
+"""The operator's desk in a real browser, on the whole chain: what is pressed there, and what players then see."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Locator, Page, expect
+
+from tests.browser.people import Person
+from tests.support.battle import Battle
+from tests.support.player import Eyes, Player
+from tests.support.polling import until
+
+TOKEN = "the hall is open"
+ANSWERS = 3  # to a question each second
+PHONES = {"upright": (375, 812), "sideways": (812, 375)}
+
+
+@pytest.fixture(scope="module")
+def battle() -> Iterator[Battle]:
+    with Battle(robots=2, LASERBOT_COUNTDOWN="2", LASERBOT_OPERATOR_TOKEN=TOKEN) as running:
+        yield running
+
+
+def open_desk(chromium: Browser, battle: Battle, width: int = 1280, height: int = 800, token: str = TOKEN) -> Page:
+    page = chromium.new_page(viewport={"width": width, "height": height})
+    page.goto(f"{battle.web}/operator")
+    page.get_by_label("Operator token").fill(token)
+    page.get_by_label("Your name").fill("Berta")
+    page.get_by_role("button", name="Sign in").click()
+    return page
+
+
+@pytest.fixture
+def desk(chromium: Browser, battle: Battle) -> Iterator[Page]:
+    """Signed in, with both robots in service and no battle; so it is left."""
+    page = open_desk(chromium, battle)
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    expect(page.locator("#robots-rows tr")).to_have_count(2)
+    yield page
+    for button in page.get_by_role("button", name="Back in service").all():
+        button.click()
+    expect(page.get_by_role("button", name="Take out of service")).to_have_count(2)
+    page.close()
+    assert complaints == []
+
+
+def wait_for_answers(desk: Page) -> None:
+    """The desk is redrawn some times."""
+    for _ in range(ANSWERS):
+        with desk.expect_response("**/operator/api/state"):
+            pass
+
+
+def robot_row(desk: Page, robot: int) -> Locator:
+    return desk.locator(f"#robots-rows [data-key='{robot}']")
+
+
+def say_yes(desk: Page, word: str) -> None:
+    desk.locator("dialog[open]").get_by_role("button", name=word).click()
+
+
+def test_only_the_token_opens_the_desk(chromium: Browser, battle: Battle) -> None:
+    page = open_desk(chromium, battle, token="guessed")
+    expect(page.get_by_role("alert")).to_contain_text("token")
+    expect(page.locator("#battle")).to_have_count(0)
+    page.get_by_label("Operator token").fill(TOKEN)
+    page.get_by_label("Your name").fill("Berta")
+    page.keyboard.press("Enter")
+    expect(page.locator("#battle-state")).to_have_text("No battle")
+    expect(page.locator(".who")).to_have_text("Berta")
+    page.get_by_role("button", name="Sign out").first.click()
+    expect(page.get_by_label("Operator token")).to_be_visible()
+    page.goto(f"{battle.web}/operator")
+    expect(page.get_by_label("Operator token")).to_be_visible()
+    page.close()
+
+
+def test_a_session_that_has_ended_leads_back_to_the_login(desk: Page, battle: Battle) -> None:
+    desk.context.clear_cookies()
+    expect(desk.get_by_label("Operator token")).to_be_visible()
+    desk.get_by_label("Operator token").fill(TOKEN)
+    desk.keyboard.press("Enter")
+    expect(desk.locator("#robots-rows tr")).to_have_count(2)
+
+
+def test_players_see_pause_more_time_and_abort(desk: Page, person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    status, clock = ann.page.locator("#game-status"), ann.page.locator("#clock strong")
+    with Player(battle, "Bob") as bob, Eyes(battle) as eyes:
+        ann.page.locator("#ready-btn").click()
+        assert bob.ready() == "OK"
+        expect(status).to_have_text("PLAY!")
+        expect(desk.locator("#battle-state")).to_have_text("Battle")
+        desk.get_by_role("button", name="Pause").click()
+        expect(status).to_have_text("Paused by the operator")
+        expect(desk.get_by_role("button", name="Resume")).to_be_focused()
+        stands, heading = clock.inner_text(), eyes.robots()[ann.robot]["heading"]
+        ann.page.keyboard.down("ArrowRight")
+        wait_for_answers(desk)
+        assert clock.inner_text() == stands
+        assert eyes.robots()[ann.robot]["heading"] == heading
+        ann.page.keyboard.up("ArrowRight")
+
+        desk.get_by_role("button", name="Resume").click()
+        expect(status).to_have_text("PLAY!")
+        ann.page.keyboard.down("ArrowRight")
+        until(lambda: eyes.robots()[ann.robot]["heading"] != heading, 10, "the robot turns again")
+        ann.page.keyboard.up("ArrowRight")
+
+        desk.get_by_role("button", name="+60 s").click()
+        until(lambda: clock.inner_text() > "5:30", 10, "Ann's clock has a minute more")
+
+        desk.get_by_role("button", name="Abort").click()
+        say_yes(desk, "Cancel")
+        expect(desk.locator("#battle-state")).to_have_text("Battle")
+        desk.get_by_role("button", name="Abort").click()
+        say_yes(desk, "Abort")
+        expect(ann.page.locator("#ready-btn")).to_have_attribute("data-ready", "false")
+        expect(desk.locator("#battle-state")).to_have_text("No battle")
+        expect(desk.locator("#log-rows li", has_text="Berta").first).to_be_visible()
+        bob.post("signOutUser", data="Bob")
+
+
+def test_a_rule_counts_at_once_until_it_is_reset(desk: Page, person: Callable[[str], Person], battle: Battle) -> None:
+    countdown = desk.get_by_label("Countdown", exact=True)
+    countdown.fill("45")
+    desk.get_by_label("Hit damage").fill("20")
+    wait_for_answers(desk)  # which say otherwise
+    expect(countdown).to_have_value("45")
+    for name in ("Countdown", "Hit damage"):
+        expect(desk.locator("#rules-changed")).to_contain_text(name)
+    desk.get_by_role("button", name="Save rules").click()
+    expect(desk.locator("#rules-changed")).to_have_text("")
+    ann = person("Ann")
+    ann.log_in()
+    with Player(battle, "Bob") as bob:
+        ann.page.locator("#ready-btn").click()
+        assert bob.ready() == "OK"
+        expect(ann.page.locator("#game-status")).to_contain_text("4")
+        expect(desk.locator("#battle-clock")).to_contain_text("0:4")
+        desk.get_by_role("button", name="Start now").click()
+        expect(ann.page.locator("#game-status")).to_have_text("PLAY!")
+        bob.post("signOutUser", data="Bob")
+    for name in ("Countdown", "Hit damage"):
+        desk.get_by_role("button", name=f"Reset {name}").click()
+        expect(desk.get_by_role("button", name=f"Reset {name}")).to_have_count(0)
+    expect(countdown).to_have_value("2")
+
+
+def test_a_refused_rule_changes_nothing_and_says_why(desk: Page) -> None:
+    desk.get_by_label("Hit damage").fill("2.5")
+    desk.get_by_role("button", name="Save rules").click()
+    expect(desk.locator("#problem")).to_contain_text("whole")
+    expect(desk.locator("#rules-changed")).to_have_text("Not saved: Hit damage")
+    desk.get_by_role("button", name="Close").click()
+    expect(desk.locator("#problem")).to_be_hidden()
+
+
+def test_a_message_is_on_the_players_screens_as_it_was_typed(desk: Page, person: Callable[[str], Person]) -> None:
+    ann, guest = person("Ann"), person("Guest")
+    ann.log_in()
+    text = "<b>Last battle</b> at 22:00 & no later"
+    desk.locator("#message-text").fill(text)
+    desk.keyboard.press("Enter")
+    for one in (ann, guest):
+        expect(one.page.locator("#message")).to_have_text(text)
+    expect(desk.locator("#message-now")).to_have_text(f"Shown now: {text}")
+    desk.get_by_role("button", name="Clear").click()
+    for one in (ann, guest):
+        expect(one.page.locator("#message")).to_be_hidden()
+
+
+def test_the_player_of_a_robot_out_of_service_waits_and_the_operator_drives_it(
+    desk: Page, person: Callable[[str], Person], battle: Battle
+) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    row = robot_row(desk, ann.robot)
+    with Player(battle, "Bob") as bob, Eyes(battle) as eyes:
+        row.get_by_role("button", name="Take out of service").click()
+        ann.page.wait_for_url(f"{battle.web}/")
+        expect(ann.page.locator("#queue-title")).to_have_text("You are next.")
+        expect(desk.locator("#queue-rows")).to_contain_text("Ann")
+
+        row.get_by_role("button", name="Test drive").click()
+        expect(desk.locator("#drive-state")).to_contain_text("arrow keys")
+        expect(desk.locator("#pad")).to_be_focused()
+        drives_and_stands(
+            desk, eyes, ann.robot, lambda: desk.keyboard.down("ArrowRight"), lambda: desk.keyboard.up("ArrowRight")
+        )
+        box = desk.locator("#pad").bounding_box()
+        assert box is not None
+        desk.mouse.move(box["x"] + 0.9 * box["width"], box["y"] + 0.5 * box["height"])
+        drives_and_stands(desk, eyes, ann.robot, desk.mouse.down, desk.mouse.up)
+        leave = "window.dispatchEvent(new Event('blur'))"
+        drives_and_stands(desk, eyes, ann.robot, desk.mouse.down, lambda: desk.evaluate(leave))
+        desk.mouse.up()
+        desk.locator("#pad").press("Escape")
+        expect(desk.locator("#drive")).to_be_hidden()
+        expect(row.get_by_role("button", name="Test drive")).to_be_focused()
+
+        row.get_by_role("button", name="Back in service").click()
+        expect(ann.page.locator("#queue-title")).to_have_text(f"Robot {ann.robot} is yours!")
+        bob.post("signOutUser", data="Bob")
+
+
+def drives_and_stands(
+    desk: Page, eyes: Eyes, robot: int, press: Callable[[], object], release: Callable[[], object]
+) -> None:
+    heading = eyes.robots()[robot]["heading"]
+    press()
+    until(lambda: abs(eyes.robots()[robot]["heading"] - heading) > 0.1, 10, "the robot turns")
+    release()
+    headings: list[float] = []
+
+    def still() -> bool:
+        headings.append(eyes.robots()[robot]["heading"])
+        return len(headings) > 40 and len(set(headings[-40:])) == 1
+
+    until(still, 5, "the robot stands")
+    expect(desk.locator("#drive .is-held")).to_have_count(0)
+
+
+def test_who_is_banned_is_out_until_the_ban_ends(desk: Page, person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    desk.locator("#players-rows [data-key=Ann]").get_by_role("button", name="Ban").click()
+    say_yes(desk, "Ban")
+    ann.page.wait_for_url(f"{battle.web}/")
+    expect(desk.get_by_text("Nobody is signed in.")).to_be_visible()
+    expect(desk.locator("#players-title")).to_be_focused()
+    ann.page.locator("#username").fill("Ann")
+    ann.page.locator("#username").press("Enter")
+    expect(ann.page.locator("dialog[open]")).to_contain_text("That does not work")
+    ann.page.keyboard.press("Escape")
+    desk.get_by_role("button", name="Unban Ann").click()
+    expect(desk.get_by_text("Nobody is banned.")).to_be_visible()
+    ann.log_in()
+
+
+def test_focus_stays_while_the_desk_is_redrawn(desk: Page, battle: Battle) -> None:
+    button = robot_row(desk, 1).get_by_role("button", name="Take out of service")
+    button.focus()
+    with Player(battle, "Bob") as bob:
+        expect(desk.locator("#players-rows")).to_contain_text("Bob")
+        wait_for_answers(desk)
+        expect(button).to_be_focused()
+        bob.post("signOutUser", data="Bob")
+
+
+def test_a_lost_server_is_told_and_found_again(desk: Page) -> None:
+    desk.context.set_offline(True)
+    expect(desk.locator("#connection")).to_contain_text("No connection since")
+    desk.get_by_role("button", name="Take out of service").first.click()
+    expect(desk.locator("#problem")).to_contain_text("does not answer")
+    desk.context.set_offline(False)
+    expect(desk.locator("#connection")).to_be_hidden()
+
+
+def test_the_whole_log_can_be_taken_home(desk: Page) -> None:
+    with desk.expect_download() as download:
+        desk.get_by_role("link", name="log.csv").click()
+    assert "Berta" in Path(download.value.path()).read_text()
+
+
+@pytest.mark.parametrize("way", PHONES)
+def test_a_phone_shows_the_desk_without_scrolling_sideways(
+    way: str, chromium: Browser, battle: Battle, screenshots: Path
+) -> None:
+    phone = open_desk(chromium, battle, *PHONES[way])
+    with Player(battle, "Wolfgang_Amadeus") as wolfgang:
+        expect(phone.locator("#players-rows")).to_contain_text("Wolfgang_Amadeus")
+        width, shown = phone.evaluate("[document.documentElement.scrollWidth, innerWidth]")
+        assert width == shown
+        phone.screenshot(path=screenshots / f"desk-{way}.png", full_page=True)
+        wolfgang.post("signOutUser", data="Wolfgang_Amadeus")
+    phone.close()

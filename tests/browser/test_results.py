@@ -1,0 +1,164 @@
+"""The result pages in a real browser, on a real server after a played battle."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import requests
+from playwright.sync_api import Browser, Page, expect
+
+from tests.integration.server.conftest import GameServer, launch, ros_master, server
+from tests.support.polling import until
+
+__all__ = ["launch", "ros_master", "server"]
+
+SIZES = {"desktop": (1280, 800), "phone": (375, 812)}
+
+
+@pytest.fixture
+def played(server: GameServer) -> GameServer:
+    """Bob and Jörg have played, and Bob was hit twice before he left."""
+    return play(server)
+
+
+@pytest.fixture
+def seen(server: GameServer) -> GameServer:
+    """The same, in 4 s, seen from above."""
+    server.peer("positions")
+    return play(server, seconds=4)
+
+
+def play(server: GameServer, seconds: float = 0) -> GameServer:
+    robots = {name: server.robot(f"robot{place}") for place, name in enumerate(("Jörg", "Bob"))}
+    pages = {name: server.player(name) for name in robots}
+    listener = server.listener()
+    for page in pages.values():
+        page.ready()
+    listener.wait_for(lambda status: status["game"] == 2)
+    listener.wait_for(lambda status: status["time_left"] <= 300 - seconds)
+    for life in (60, 20):
+        robots["Bob"].hit()
+        listener.wait_for_life("Bob", life)
+    pages["Bob"].post("signOutUser", data="Bob")
+    for page in pages.values():
+        page.close()
+    with requests.Session() as http:
+        until(lambda: http.get(f"{server.url}/results.json").json()["battles"][0]["seconds"] is not None, 5)
+    return server
+
+
+@pytest.fixture(params=SIZES)
+def page(request: pytest.FixtureRequest, chromium: Browser) -> Iterator[Page]:
+    width, height = SIZES[request.param]
+    context = chromium.new_context(viewport={"width": width, "height": height})
+    page = context.new_page()
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+    yield page
+    context.close()
+    assert complaints == []
+
+
+def test_from_the_login_to_a_battle_and_the_leaderboard(played: GameServer, page: Page, screenshots: Path) -> None:
+    width = page.viewport_size["width"] if page.viewport_size else 0
+
+    def look(name: str) -> None:
+        page.screenshot(path=screenshots / f"{name}-{width}.png", full_page=True)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width, "nothing sticks out"
+
+    page.goto(played.url)
+    page.get_by_role("link", name="RESULTS").click()
+    battle = page.locator(".battle").first
+    expect(battle.locator(".fighters li")).to_have_count(2)
+    expect(battle.locator(".won .name")).to_have_text("Jörg")
+    expect(battle).to_contain_text("left, 2 hits")
+    look("results")
+    page.get_by_role("link", name="Battle 1").click()
+    expect(page.locator("h1")).to_have_text("Battle 1")
+    expect(page.locator(".about-battle")).to_contain_text("Bob signed out")
+    lines = page.locator(".plot svg .life")
+    expect(lines).to_have_count(2)
+    heights = [line.bounding_box() for line in lines.all()]
+    full = page.locator(".plot svg").bounding_box()
+    assert full
+    assert [round((box["height"] if box else 0) / full["height"], 1) for box in heights] == [0.0, 0.7], "80 of 100 lost"
+    page.get_by_text("What happened", exact=True).click()
+    expect(page.locator(".happened tbody tr")).to_have_count(3)
+    expect(page.locator(".happened tbody tr").last).to_contain_text("Bobleft20")
+    look("results-battle")
+    page.get_by_role("link", name="Leaderboard").click()
+    expect(page.locator(".ranking tbody tr").first).to_contain_text("Jörg1")
+    page.get_by_role("link", name="Today").click()
+    expect(page.locator(".ranking tbody tr")).to_have_count(2)
+    look("results-leaderboard")
+    page.locator("input[name=day]").fill("1999-12-31")
+    page.get_by_role("button", name="Show").click()
+    expect(page.locator(".none")).to_have_text("Nobody has finished a battle on this day.")
+
+
+def test_a_battle_is_played_again_on_the_floor(seen: GameServer, page: Page, screenshots: Path) -> None:
+    width = page.viewport_size["width"] if page.viewport_size else 0
+    page.emulate_media(reduced_motion="reduce")
+    page.goto(f"{seen.url}/results/1")
+    play, slider, clock = (page.locator(f"#replay-{part}") for part in ("play", "time", "clock"))
+    expect(play).to_have_text("Play")
+    expect(clock).to_contain_text("0:00 of 0:0")
+    robots, labels = page.locator("#replay-floor .robot"), page.locator("#replay-floor p")
+    expect(labels).to_have_text(["Jörg100", "Bob100"])
+
+    def place(robot: int) -> tuple[float, float]:
+        """The middle of its picture on the floor, in m."""
+        box, body = robots.nth(robot).bounding_box(), page.locator("#replay-floor").bounding_box()
+        assert box
+        assert body
+        assert body["width"] / body["height"] == pytest.approx(2.06 / 1.06, abs=0.02), "the floor's shape"
+        metre = body["width"] / 2.06
+        across, down = box["x"] + box["width"] / 2 - body["x"], box["y"] + box["height"] / 2 - body["y"]
+        return across / metre - 0.03, 1.03 - down / metre
+
+    def told(at: float) -> tuple[float, float]:
+        """Where Jörg's robot was by the track, at about that time."""
+        track = page.request.get(f"{seen.url}/results/1.json").json()["track"]
+        number = min(range(len(track["times"])), key=lambda number: abs(track["times"][number] - at))
+        x, y, _ = track["robots"]["0"][number]
+        return float(x), float(y)
+
+    assert place(1) == pytest.approx((1.9, 0.9), abs=0.01)
+    for at in (1.0, 3.0):
+        slider.fill(str(at))
+        assert place(0) == pytest.approx(told(at), abs=0.12), "not later than two sights"
+    assert abs(told(1.0)[0] - told(3.0)[0]) > 0.3
+    slider.press("End")
+    expect(labels).to_have_text(["Jörg100", "Bob20"])
+    expect(robots.nth(1)).to_have_class(re.compile("out"))
+    slider.fill("2")
+    page.locator(".replay").screenshot(path=screenshots / f"results-replay-{width}.png")
+    page.screenshot(path=screenshots / f"results-replay-page-{width}.png", full_page=True)
+    assert page.evaluate("document.documentElement.scrollWidth") <= width, "nothing sticks out"
+    before = place(0)
+    play.press("Enter")
+    expect(play).to_have_text("Pause")
+    until(lambda: place(0) != before, 5, "the robot moves")
+    expect(play).to_have_text("Play")
+    assert float(slider.input_value()) == pytest.approx(float(slider.get_attribute("max") or 0)), "played to the end"
+
+
+def test_the_replay_begins_by_itself_where_motion_is_welcome(seen: GameServer, page: Page) -> None:
+    page.goto(f"{seen.url}/results/1")
+    page.locator("#replay-floor").scroll_into_view_if_needed()
+    expect(page.locator("#replay-play")).to_have_text("Pause")
+    page.locator("#replay-play").click()
+    expect(page.locator("#replay-play")).to_have_text("Play")
+
+
+def test_without_its_database_a_page_says_so(played: GameServer, page: Page, tmp_path: Path) -> None:
+    (tmp_path / "data").rename(tmp_path / "elsewhere")
+    try:
+        response = page.request.get(f"{played.url}/results")
+        assert response.status == 503
+        page.set_content(response.text())
+        expect(page.get_by_role("alert")).to_contain_text("The game goes on without it")
+    finally:
+        (tmp_path / "elsewhere").rename(tmp_path / "data")

@@ -1,0 +1,52 @@
+"""The web server is killed in the middle of a battle: it comes back by itself, and the drivers have kept driving."""
+
+import math
+import time
+
+from server.rosbridge.gate import REFEREE_SILENCE
+from tests.support.battle import Battle
+from tests.support.play import PLAYING, keep_turning, start
+from tests.support.player import Eyes, Player
+from tests.support.polling import patience, until
+
+
+def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notice() -> None:
+    with (
+        Battle(2, 0, LASERBOT_COUNTDOWN="1", LASERBOT_BATTLE_LIMIT="600") as battle,
+        Player(battle, "ann") as ann,
+        Player(battle, "bob") as bob,
+        Eyes(battle) as eyes,
+    ):
+        start(ann, bob)
+        begun = ann.look()
+        with keep_turning(ann):
+            until(lambda: turning(eyes, ann.robot), 5, "the robot turns")
+            battle.kill(r"python3 -m server\.main")
+            killed = time.monotonic()
+            stood = 0
+            while not is_signed_in(ann):
+                stood += not turning(eyes, ann.robot)
+            until(lambda: ann.look()["time_left"] < begun["time_left"] - 0.5, 10, "the referee speaks again")
+            silent = time.monotonic() - killed
+            stood += not turning(eyes, ann.robot)
+        after = ann.look()
+        assert stood == 0 or silent > REFEREE_SILENCE - 0.5, "after so long on a busy machine all robots are to stop"
+        assert (after["game"], after["battle"]) == (PLAYING, begun["battle"])
+        assert is_signed_in(bob)
+
+
+def turning(eyes: Eyes, robot: int) -> bool:
+    """Whether the robot turns within the next 0.3 s of a quiet machine."""
+    heading = eyes.robots()[robot]["heading"]
+    end = time.monotonic() + 0.3 * patience()
+    while time.monotonic() < end:
+        if abs(math.remainder(eyes.robots()[robot]["heading"] - heading, math.tau)) > 0.01:
+            return True
+    return False
+
+
+def is_signed_in(player: Player) -> bool:
+    try:
+        return bool(player.http.get(f"{player.battle.web}/session", timeout=1).json()["status"] == "OK")
+    except OSError:
+        return False

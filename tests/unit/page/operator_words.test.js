@@ -1,0 +1,73 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import * as words from "../../../server/static/js/operator_words.js";
+
+const game = (values) => ({ state: "stopped", paused: false, time_left: 0, battle: 3, notice: "", message: "", ...values });
+const rule = (values) => ({ value: 10, default: 10, min: 1, max: 100, text: "life (of 100) that a hit takes", ...values });
+
+test("the battle is told in words, with its clock while one runs", () => {
+  const told = (values) => words.battleText(game(values));
+  assert.deepEqual(told({ notice: "Battle over." }), { title: "No battle", clock: "", hint: "Battle over." });
+  assert.match(told({ battle: 1 }).hint, /^1 battle has/);
+  assert.match(told({ battle: 0 }).hint, /^0 battles have/);
+  assert.deepEqual([told({ state: "countdown", time_left: 8.2 }).title, told({ state: "countdown", time_left: 8.2 }).clock], ["Countdown", "0:09"]);
+  assert.deepEqual([told({ state: "playing", time_left: 300 }).title, told({ state: "playing", time_left: 300 }).clock], ["Battle", "5:00"]);
+  assert.deepEqual([told({ state: "playing", paused: true, time_left: 9 }).title, told({ state: "playing", paused: true, time_left: 9 }).clock], ["Paused", "0:09"]);
+});
+
+test("only what makes sense now may be pressed", () => {
+  const enabled = (values) => {
+    const buttons = Object.values(words.battleButtons(game(values)));
+    return buttons.filter((button) => button.enabled).map((button) => button.action);
+  };
+  assert.deepEqual(enabled({}), []);
+  assert.deepEqual(enabled({ state: "countdown" }), ["pause", "start", "add_time", "abort"]);
+  assert.deepEqual(enabled({ state: "countdown", paused: true }), ["resume", "add_time", "abort"]);
+  assert.deepEqual(enabled({ state: "playing" }), ["pause", "add_time", "abort"]);
+  assert.deepEqual(enabled({ state: "playing", paused: true }), ["resume", "add_time", "abort"]);
+});
+
+test("a robot that is silent, or without its serial link, stands out", () => {
+  const robot = (values) =>
+    words.robotText({ name: "virtual3", host: "virtual3", player: null, offered_to: null, in_service: true, ping_age: 0.3, linked: true, ...values });
+  assert.deepEqual(robot({}), {
+    host: "virtual3", player: "free", ping: { text: "0 s ago", level: "" }, link: { text: "linked", level: "" },
+  });
+  assert.equal(robot({ host: "virtual3.local" }).host, "virtual3.local");
+  assert.equal(robot({ host: "192.168.1.7" }).host, "virtual3 on 192.168.1.7");
+  assert.equal(robot({ host: null }).host, "virtual3");
+  assert.equal(robot({ name: null, host: null }).host, "unknown");
+  assert.equal(robot({ player: "Ann" }).player, "Ann");
+  assert.equal(robot({ offered_to: "Bob" }).player, "offered to Bob");
+  assert.equal(robot({ in_service: false }).player, "out of service");
+  assert.deepEqual(robot({ ping_age: 3.1 }).ping, { text: "3 s ago", level: "bad" });
+  assert.deepEqual(robot({ ping_age: null }).ping, { text: "never", level: "bad" });
+  assert.deepEqual(robot({ linked: false }).link, { text: "no link", level: "bad" });
+});
+
+test("players and who waits", () => {
+  const player = (values) => words.playerText({ life: 70, ready: true, seat_left: 0, page_age: 0.4, ...values });
+  assert.deepEqual(player({}), { life: "70 %", ready: "ready", seat: "stays", page: { text: "0 s ago", level: "" } });
+  assert.equal(player({ seat_left: 12.3 }).seat, "13 s");
+  assert.equal(player({ page_age: 9 }).page.level, "bad");
+  assert.equal(player({ page_age: 300 }).page.text, "5 min ago");
+  assert.equal(words.waiterText({ offer: null, seconds: 170 }), "about 3 minutes");
+  assert.equal(words.waiterText({ offer: 0, seconds: 17.5 }), "robot 0 is offered for 18 s more");
+});
+
+test("a rule is named, explained and bounded", () => {
+  assert.equal(words.ruleName("battles_in_row"), "Battles in row");
+  assert.equal(words.ruleText(rule()), "Life (of 100) that a hit takes. From 1 to 100. Default: 10.");
+  assert.equal(words.ruleText(rule({ default: false, min: null, max: null, text: "1: all may" })), "All may. Default: off.");
+});
+
+test("only the rules that differ are sent", () => {
+  const rules = { hit_damage: rule(), countdown: rule({ value: 15 }), practice: rule({ value: false }) };
+  assert.deepEqual(words.changedRules({ hit_damage: 10, countdown: 5, practice: true }, rules), { countdown: 5, practice: true });
+  assert.deepEqual(words.changedRules({ hit_damage: 10, countdown: 15, practice: false }, rules), {});
+});
+
+test("one word on each line, each once, without the spaces around it", () => {
+  assert.deepEqual(words.parseWords(" bad\n\nworse one \r\nbad\n"), ["bad", "worse one"]);
+  assert.deepEqual(words.parseWords(""), []);
+});

@@ -1,0 +1,20 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { queueText, waitText } from "../../../server/static/js/queue.js";
+
+test("who waits learns the place and about how long it takes", () => {
+  assert.match(queueText({ place: 1, offer: null, seconds: 100 }).title, /next/);
+  const third = queueText({ place: 3, offer: null, seconds: 400 });
+  assert.match(third.title, /number 3/);
+  assert.match(third.text, /7 minutes/);
+});
+
+test("an offer names the robot, the first too, and the time to take it", () => {
+  const offer = queueText({ place: 1, offer: 0, seconds: 17 });
+  assert.match(offer.title, /Robot 0/);
+  assert.match(offer.text, /17 s/);
+});
+
+test("times are said as people say them", () => {
+  assert.deepEqual([5, 59, 89, 91, 600].map(waitText), ["a minute", "one minute", "one minute", "2 minutes", "10 minutes"]);
+});

@@ -1,0 +1,50 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { clock, fighterAt, lengthOf, poseAt } from "../../../server/static/js/replay.js";
+
+const track = {
+  times: [1, 2, 4],
+  robots: { 0: [[0, 0, 350], [1, 0, 10], [1, 2, 10]], 1: [null, [1, 1, 0], null] },
+};
+const timeline = [
+  { at: 2, name: "ada", what: "hit", life: 60 },
+  { at: 3, name: "bob", what: "left", life: 100 },
+  { at: 4, name: "ada", what: "hit", life: 0 },
+];
+
+test("between two sights a robot drives straight and turns the short way", () => {
+  assert.deepEqual(poseAt(track, 0, 1.5), { x: 0.5, y: 0, heading: 360 });
+  assert.deepEqual(poseAt(track, 0, 3), { x: 1, y: 1, heading: 10 });
+});
+
+test("before the first and after the last sight it stands there", () => {
+  assert.deepEqual(poseAt(track, 0, 0), { x: 0, y: 0, heading: 350 });
+  assert.deepEqual(poseAt(track, 0, 99), { x: 1, y: 2, heading: 10 });
+});
+
+test("a robot that was not seen is nowhere", () => {
+  assert.equal(poseAt(track, 1, 1.5), null);
+  assert.deepEqual(poseAt(track, 1, 3), { x: 1, y: 1, heading: 0 });
+  assert.equal(poseAt(track, 1, 4), null);
+  assert.equal(poseAt(track, 9, 1), null);
+});
+
+test("it waits where it was seen last for a sight that comes late", () => {
+  const late = { times: [1, 9], robots: { 0: [[0, 0, 0], [1, 1, 90]] } };
+  assert.deepEqual(poseAt(late, 0, 8.9), { x: 0, y: 0, heading: 0 });
+  assert.deepEqual(poseAt(late, 0, 9), { x: 1, y: 1, heading: 90 });
+});
+
+test("life, hits and the end of a fighter come from the time line", () => {
+  assert.deepEqual(fighterAt(timeline, "ada", 1.9), { life: 100, hit: false, out: false });
+  assert.deepEqual(fighterAt(timeline, "ada", 2.1), { life: 60, hit: true, out: false });
+  assert.deepEqual(fighterAt(timeline, "ada", 3), { life: 60, hit: false, out: false });
+  assert.deepEqual(fighterAt(timeline, "ada", 9), { life: 0, hit: false, out: true });
+  assert.deepEqual(fighterAt(timeline, "bob", 3.1), { life: 100, hit: false, out: true });
+});
+
+test("a battle that has not ended is as long as its track", () => {
+  assert.equal(lengthOf({ seconds: 7.5, track }), 7.5);
+  assert.equal(lengthOf({ seconds: null, track }), 4);
+  assert.equal(clock(65.9), "1:06");
+});

@@ -1,0 +1,246 @@
+"""Whatever people, robots, operators and clocks do in whatever order: the rules hold."""
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
+
+from server.game import desk, events
+from server.game.events import Recorded
+from server.game.referee import Referee, Verdict
+from server.game.replay import replay
+from server.game.rules import Rules
+from server.game.saved import restore
+
+NAMES = st.sampled_from(["ada", "bob", "cy", "dee", "eve", "fay"])
+ROBOTS = st.integers(0, 3)
+
+
+class Evening(RuleBasedStateMachine):
+    """Robots 0 to 3, up to six people; each has one session."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.numbers = Rules(battle_limit=100, battles_in_row=2)
+        self.referee = Referee(self.numbers)
+        self.now = 0.0
+        self.journal: list[Recorded] = []
+        self.sessions: dict[str, str] = {}
+        self.order: list[str] = []  # who waits, as last seen
+        self.joined: set[str] = set()  # who has begun to wait since then
+        self.first: set[str] = set()  # who waits because of a robot that is out of service
+        self.paused = False
+        self.out: set[int] = set()  # robots out of service
+
+    @initialize(robots=st.integers(0, 4), people=st.integers(0, 6))
+    def some_are_there(self, robots: int, people: int) -> None:
+        for robot in range(robots):
+            self.robot_comes(robot)
+        self.serial_nodes_come_and_go(set(range(robots)))
+        for name in ("ada", "bob", "cy", "dee", "eve", "fay")[:people]:
+            self.sign_up(name, wait=True, wanted=None, address="")
+
+    @rule(robot=ROBOTS)
+    def robot_comes(self, robot: int) -> None:
+        self.referee.add_robot(f"/robot{robot}", self.now)
+
+    @rule(linked=st.sets(ROBOTS))
+    def serial_nodes_come_and_go(self, linked: set[int]) -> None:
+        self.referee.robots_linked(linked, self.now)
+
+    @rule(robot=ROBOTS)
+    def hit(self, robot: int) -> None:
+        self.referee.hit(robot, self.now)
+
+    @rule(name=NAMES, wait=st.booleans(), wanted=st.none() | ROBOTS, address=st.sampled_from(["", "a", "b"]))
+    def sign_up(self, name: str, wait: bool, wanted: int | None, address: str) -> None:
+        """On a page that may have a session already."""
+        token = f"{name} {self.now} {len(self.journal)}"
+        old = self.sessions.get(name)
+        _, who = self.referee.sign_up(
+            name, token, 0, self.now, old_session=old, wanted=wanted, wait=wait, address=address
+        )
+        if who:
+            self.sessions[name] = who.session
+
+    @rule(name=NAMES)
+    def sign_out(self, name: str) -> None:
+        self.referee.sign_out(name, self.sessions.get(name, ""), self.now)
+
+    @rule(name=NAMES)
+    def take(self, name: str) -> None:
+        self.referee.take_offer(self.sessions.get(name, ""), self.now)
+
+    @rule(name=NAMES, ready=st.booleans())
+    def ready(self, name: str, ready: bool) -> None:
+        self.referee.set_ready(name, ready, self.sessions.get(name, ""), self.now)
+
+    @rule(seconds=st.sampled_from([0.1, 1.0, 5.0, 30.0, 100.0]), present=st.booleans())
+    def time_passes(self, seconds: float, present: bool) -> None:
+        """With pings of all that is there, or of nobody."""
+        end = self.now + seconds
+        while self.now < end:
+            self.now = min(end, self.now + (1.0 if present else seconds))
+            if present:
+                snapshot = self.referee.snapshot(self.now)
+                for robot in snapshot.robots:
+                    self.referee.robot_alive(robot, self.now)
+                for session in [*(p.session for p in snapshot.players), *(w.session for w in snapshot.queue)]:
+                    self.referee.seen(session, self.now)
+
+    def operate(self, wish: Callable[..., Any], **wanted: Any) -> bool:
+        try:
+            self.referee.operate(partial(wish, by="Ann", **wanted), self.now)
+        except desk.RefusedError:
+            return False
+        return True
+
+    @rule(robot=ROBOTS)
+    def operator_pauses_and_somebody_is_hit(self, robot: int) -> None:
+        self.operate(desk.pause)
+        self.hit(robot)
+
+    @rule(wish=st.sampled_from([desk.pause, desk.resume, desk.abort, desk.start]))
+    def operator_leads_the_battle(self, wish: Callable[..., Any]) -> None:
+        self.operate(wish)
+
+    @rule(seconds=st.sampled_from([1, 60]))
+    def operator_adds_time(self, seconds: int) -> None:
+        self.operate(desk.add_time, seconds=seconds)
+
+    @rule(robot=ROBOTS, in_service=st.booleans())
+    def operator_sets_service(self, robot: int, in_service: bool) -> None:
+        self.operate(desk.set_service, robot_id=robot, in_service=in_service)
+
+    @rule(name=NAMES, wish=st.sampled_from([desk.sign_out, desk.ban, desk.unban]))
+    def operator_signs_out_or_bans(self, name: str, wish: Callable[..., Any]) -> None:
+        self.operate(wish, name=name)
+
+    @rule(
+        changes=st.fixed_dictionaries(
+            {},
+            optional={
+                "seats": st.none() | st.integers(0, 3),
+                "hit_damage": st.sampled_from([None, 50, 100]),
+                "countdown": st.sampled_from([None, 1, 15]),
+                "battles_in_row": st.none() | st.integers(0, 2),
+            },
+        )
+    )
+    def operator_changes_rules(self, changes: dict[str, Any]) -> None:
+        self.operate(desk.change_rules, changes=changes)
+
+    @rule(pause=st.sampled_from([0.0, 2.0, 60.0]))
+    def the_program_is_killed(self, pause: float) -> None:
+        self.note()
+        known = {f"/robot{robot}": robot for robot in range(4)}
+        state = restore(self.referee.saved(self.now), known, self.now + pause, pause)
+        self.referee, self.now = Referee(self.numbers, state), self.now + pause
+
+    @precondition(lambda self: len(self.referee.snapshot(self.now).players) >= 2)
+    @rule()
+    def two_ready_players_get_a_battle(self) -> None:
+        """From any state, as soon as the running battle is over, and while nobody pauses or aborts it."""
+        self.operate(desk.resume)
+        if self.referee.snapshot(self.now).game == 2:
+            self.operate(desk.abort)
+            assert self.referee.snapshot(self.now).game == 0
+        players = self.referee.snapshot(self.now).players
+        for player in players:
+            self.referee.set_ready(player.name, True, player.session, self.now)
+        alive = [player for player in players if player.robot in self.referee.snapshot(self.now).robots]
+        if len(alive) >= 2:
+            for _ in range(17):
+                self.time_passes(1.0, present=True)
+            assert self.referee.snapshot(self.now).game == 2
+
+    def note(self) -> None:
+        """What has been decided: no hit and no start in a pause, nothing of a robot that is out of service."""
+        decided = self.referee.take_journal()
+        self.journal += decided
+        for event in (one.event for one in decided):
+            match event:
+                case events.Queued(name) | events.Left(name) | events.Seated(name):
+                    self.first.discard(name)
+                    self.joined.add(name)
+                case events.Unseated(name):
+                    (self.first.add if event.first else self.first.discard)(name)
+                    self.joined.add(name)
+                case events.Paused() | events.Resumed():
+                    self.paused = isinstance(event, events.Paused)
+                case events.BattleEnded() | events.CountdownStopped():
+                    self.paused = False
+                case events.Hit():
+                    assert not self.paused
+                case events.BattleStarted():
+                    assert event.by or not self.paused
+                    self.paused = False
+                case events.ServiceChanged(robot, in_service):
+                    (self.out.discard if in_service else self.out.add)(robot)
+                case events.Offered(_, robot) | events.SignedUp(_, robot):
+                    assert robot not in self.out
+
+    @invariant()
+    def what_is_paused_is_paused(self) -> None:
+        self.note()
+        assert self.referee.snapshot(self.now).paused is self.paused
+
+    @invariant()
+    def nobody_drives_a_robot_that_is_out_of_service(self) -> None:
+        snapshot = self.referee.snapshot(self.now)
+        self.note()
+        assert not self.out & {player.robot for player in snapshot.players}
+        assert not self.out & {waiter.offer for waiter in snapshot.queue}
+
+    @invariant()
+    def nobody_sits_twice(self) -> None:
+        snapshot = self.referee.snapshot(self.now)
+        names = [player.name for player in snapshot.players] + [waiter.name for waiter in snapshot.queue]
+        robots = [player.robot for player in snapshot.players] + [
+            waiter.offer for waiter in snapshot.queue if waiter.offer is not None
+        ]
+        assert len(set(names)) == len(names)
+        assert len(set(robots)) == len(robots)
+        assert snapshot.available_robots <= len(snapshot.robots) - len(set(robots) & set(snapshot.robots))
+
+    @invariant()
+    def no_robot_stands_idle_while_somebody_waits_without_an_offer(self) -> None:
+        snapshot = self.referee.snapshot(self.now)
+        if any(waiter.offer is None for waiter in snapshot.queue):
+            assert snapshot.available_robots == 0
+
+    @invariant()
+    def nobody_is_overtaken(self) -> None:
+        """Whoever came later, or comes back after a seat, stands behind those who wait already; whoever has lost a
+        robot to the operator stands behind those who have, too."""
+        waiting = [waiter.name for waiter in self.referee.snapshot(self.now).queue]
+        self.note()
+        firsts = [name for name in waiting if name in self.first]
+        assert waiting[: len(firsts)] == firsts
+        for kind in (firsts, waiting[len(firsts) :]):
+            stayed = [name for name in kind if name not in self.joined]
+            assert kind[: len(stayed)] == stayed
+            assert [name for name in self.order if name in stayed] == stayed
+        self.order, self.joined = waiting, set()
+
+    @invariant()
+    def every_battle_has_a_winner_and_the_result_that_its_events_lead_to(self) -> None:
+        ended = next((one.event for one in reversed(self.journal) if isinstance(one.event, events.BattleEnded)), None)
+        if ended:
+            assert ended.result[0].place == 1
+            assert replay(self.journal) == ended.result
+
+    @invariant()
+    def verdicts_are_never_lies(self) -> None:
+        for name in ("ada", "bob"):
+            verdict, player = self.referee.take_offer(f"not {name}", self.now)
+            assert (verdict, player) == (Verdict.UNKNOWN_USER, None)
+
+
+TestEvening = Evening.TestCase
+TestEvening.settings = settings(
+    max_examples=100, stateful_step_count=50, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
+)

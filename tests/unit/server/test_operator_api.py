@@ -1,0 +1,612 @@
+"""The operators' API over the web application: what they see and decide, and that nobody else does."""
+
+import csv
+import io
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from jinja2 import DictLoader
+from sqlalchemy import URL
+
+from laser_bot_battle.names import is_operator_ticket
+from server.game.loop import GameLoop
+from server.game.referee import Referee
+from server.game.rules import Rules
+from server.settings import Settings
+from server.store.database import Database
+from server.store.log import EventLog
+from server.web.app import create_app
+from server.web.operator import create_operator
+from server.web.operator_access import MAX_SESSIONS, SESSION_LIFE, Access
+from server.web.operator_api import create_operator_api
+from tests.support.linked import add_linked_robot
+from tests.support.polling import until
+
+TOKEN = "the operators' token"
+BEARER = {"Authorization": f"Bearer {TOKEN}"}
+HUGE = "x" * 10_000_000
+# stand-ins: the real pages are tried in tests/browser
+PAGES = {
+    "operator.html": "desk of {{ operator }}",
+    "operator_login.html": "sign in: {{ error }}",
+    "operator_off.html": "no token",
+}
+
+
+class Site:
+    """The application over a real game with robots 0 to 2, a real database, and a clock that the test moves."""
+
+    def __init__(self, folder: Path, token: str = TOKEN, **variables: str) -> None:
+        self.now = 1000.0
+        self.referee = Referee(Rules())
+        self.game = GameLoop(self.referee, clock=lambda: self.now)
+        for number in range(3):
+            add_linked_robot(self.game, f"/id_service_client_pi{number}")
+        self.database = Database(URL.create("sqlite", database=str(folder / "game.db")))
+        self.database.open()
+        self.log = EventLog(self.database)
+        variables = {"LASERBOT_OPERATOR_TOKEN": token, "LASERBOT_ROSBRIDGE_PORT": "9191", **variables}
+        settings = Settings.from_env(variables)
+        access = Access(settings.operator_token, clock=lambda: self.now)
+        api = create_operator_api(self.game, settings, access, self.database, self.log)
+        self.app = create_app(self.game, Settings.from_env({}), create_operator(access), api)
+        self.app.jinja_loader = DictLoader(PAGES)
+
+    def browser(self) -> Any:
+        return self.app.test_client()
+
+    def operator(self, name: str = "Ann") -> Any:
+        """A browser that has signed in."""
+        browser = self.browser()
+        assert browser.post("/operator/login", json={"token": TOKEN, "name": name}).status_code == 204
+        return browser
+
+    def players(self, *names: str, ready: bool = False) -> None:
+        for name in names:
+            self.game.sign_up(name, f"session of {name}", 0, wait=True)
+            if ready:
+                self.game.set_ready(name, True, f"session of {name}")
+
+    def pass_time(self, seconds: float) -> None:
+        end = self.now + seconds
+        while self.now < end:
+            self.now = min(self.now + 1, end)
+            snapshot = self.game.snapshot()
+            for robot in snapshot.robots:
+                self.game.robot_alive(robot)
+            for session in [one.session for one in snapshot.players] + [one.session for one in snapshot.queue]:
+                self.game.seen(session)
+
+    def battle(self) -> None:
+        """ada and bob fight."""
+        self.players("ada", "bob", ready=True)
+        self.pass_time(15)
+        assert self.state["game"]["state"] == "playing"
+
+    @property
+    def state(self) -> dict[str, Any]:
+        return self.game.overview()
+
+    def keep(self) -> list[str]:
+        """Hand what was decided to the recorders, as the game's thread does; its kinds."""
+        journal = self.referee.take_journal()
+        self.log.record(journal, {})
+        self.database.record(journal, self.referee.saved(self.now))
+        return [type(one.event).__name__ for one in journal]
+
+
+@pytest.fixture
+def site(tmp_path: Path) -> Iterator[Site]:
+    site = Site(tmp_path)
+    yield site
+    site.database.close()
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Site]:
+    """ada and bob fight. For tests that change nothing."""
+    site = Site(tmp_path_factory.mktemp("running"))
+    site.battle()
+    yield site
+    site.database.close()
+
+
+def refused(response: Any, *codes: int) -> str:
+    """Why, in JSON."""
+    assert response.status_code in codes, response.text
+    assert response.content_type == "application/json"
+    content = json.loads(response.text)
+    assert list(content) == ["error"]
+    assert content["error"]
+    return str(content["error"])
+
+
+def done(response: Any) -> None:
+    assert (response.status_code, response.content_type, response.json) == (200, "application/json", {})
+
+
+ROUTES = {
+    ("GET", "/operator/api/state"): None,
+    ("GET", "/operator/api/drive"): None,
+    ("GET", "/operator/api/log.json"): None,
+    ("GET", "/operator/api/log.csv"): None,
+    ("POST", "/operator/api/battle"): {"action": "abort"},
+    ("POST", "/operator/api/players/ada/sign_out"): {},
+    ("POST", "/operator/api/names"): {"ban": "ada"},
+    ("POST", "/operator/api/robots/0"): {"in_service": False},
+    ("PUT", "/operator/api/rules"): {"hit_damage": 50},
+    ("POST", "/operator/api/message"): {"text": "hello"},
+}
+DECISIONS = [route for route in ROUTES if route[0] != "GET"]
+
+
+def unchanged(site: Site, before: dict[str, Any]) -> bool:
+    return site.state == before
+
+
+# who may
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_without_the_token_nothing_is_shown_or_done(site: Site, route: tuple[str, str]) -> None:
+    site.battle()
+    before, (method, path) = site.state, route
+    session = site.operator().get_cookie("laserbot_operator", path="/operator").value
+    for number, headers in enumerate(
+        (
+            {},
+            {"Authorization": "Bearer wrong"},
+            {"Authorization": "Bearer "},
+            {"Authorization": TOKEN},
+            {"Authorization": f"Basic {TOKEN}"},
+            {"Authorization": f"Bearer {session}"},
+            {"Authorization": "Bearer " + "x" * 10_000},
+            {"Authorization": "Bearer <b>\x7f"},
+            {"Cookie": "laserbot_operator=wrong"},
+            {"Cookie": f"laserbot_session={session}"},
+            {"Cookie": f"laserbot_operator={TOKEN}"},
+        )
+    ):
+        response = site.browser().open(
+            path, method=method, json=ROUTES[route], headers=headers, environ_base={"REMOTE_ADDR": f"10.0.0.{number}"}
+        )
+        refused(response, 401)
+    assert unchanged(site, before)
+
+
+@pytest.mark.parametrize("route", DECISIONS)
+def test_another_site_decides_nothing_whatever_cookie_comes_along(site: Site, route: tuple[str, str]) -> None:
+    site.battle()
+    operator, before, (method, path) = site.operator(), site.state, route
+    for origin in ("http://evil.example", "null", "http://localhost:8080", ""):
+        refused(operator.open(path, method=method, json=ROUTES[route], headers={"Origin": origin}), 403)
+    assert unchanged(site, before)
+    done(operator.open(path, method=method, json=ROUTES[route], headers={"Origin": "http://localhost"}))
+    assert not unchanged(site, before)
+
+
+def test_the_token_itself_serves_programs(site: Site) -> None:
+    state = site.browser().get("/operator/api/state", headers=BEARER)
+    assert (state.status_code, state.json["operator"]) == (200, "operator")
+
+
+def test_without_a_token_there_is_no_desk(tmp_path: Path) -> None:
+    site = Site(tmp_path, token="")
+    browser = site.browser()
+    for headers in ({}, {"Authorization": "Bearer "}, {"Cookie": "laserbot_operator="}):
+        assert "LASERBOT_OPERATOR_TOKEN" in refused(browser.get("/operator/api/state", headers=headers), 404)
+    assert refused(browser.post("/operator/login", json={"token": ""}), 404)
+    assert browser.post("/operator/login", data={"token": ""}).status_code == 404
+    assert browser.get("/operator").text == "no token"
+    site.database.close()
+
+
+def test_signing_in_by_the_form_leads_to_the_desk_and_out_again(site: Site) -> None:
+    browser = site.browser()
+    assert browser.get("/operator").text == "sign in: None"
+    response = browser.post("/operator/login", data={"token": TOKEN, "name": " Ann "})
+    assert (response.status_code, response.headers["Location"]) == (303, "/operator")
+    cookie = response.headers["Set-Cookie"]
+    assert {"HttpOnly", "SameSite=Strict", "Path=/operator", "Max-Age=43200"} <= set(cookie.split("; "))
+    assert TOKEN not in cookie
+    assert browser.get("/operator").text == "desk of Ann"
+    assert browser.get("/operator/api/state").json["operator"] == "Ann"
+    old = browser.get_cookie("laserbot_operator", path="/operator").value
+    assert browser.post("/operator/logout").status_code == 303
+    assert browser.get("/operator").text == "sign in: None"
+    refused(browser.get("/operator/api/state", headers={"Cookie": f"laserbot_operator={old}"}), 401)
+
+
+def test_a_session_ends_after_twelve_hours_and_only_so_many_are_kept(site: Site) -> None:
+    first = site.operator()
+    site.now += SESSION_LIFE - 1
+    assert first.get("/operator/api/state").status_code == 200
+    site.now += 1
+    refused(first.get("/operator/api/state"), 401)
+    second = site.operator()
+    for _ in range(MAX_SESSIONS):
+        assert second.get("/operator/api/state").status_code == 200
+        site.operator()
+    refused(second.get("/operator/api/state"), 401)
+
+
+@pytest.mark.parametrize(
+    "given",
+    [{}, {"token": 1}, {"token": None}, {"token": ""}, {"token": TOKEN, "name": "x" * 33}, {"token": TOKEN, "name": 5},
+     {"token": TOKEN, "name": "a\nb"}, {"token": TOKEN, "name": "a\u202eb"}, {"token": TOKEN, "more": 1}],
+)  # fmt: skip
+def test_an_impossible_login_is_refused(site: Site, given: dict[str, Any]) -> None:
+    response = site.browser().post("/operator/login", json=given)
+    refused(response, 400)
+    assert "Set-Cookie" not in response.headers
+    if all(isinstance(value, str) for value in given.values()) and "more" not in given:
+        response = site.browser().post("/operator/login", data=given)
+        assert response.status_code == 400
+        assert response.text.startswith("sign in: ")
+        assert "Set-Cookie" not in response.headers
+
+
+def test_who_guesses_the_token_is_slowed_down_and_nobody_else(site: Site, caplog: pytest.LogCaptureFixture) -> None:
+    browser = site.browser()
+    for _ in range(5):
+        refused(browser.post("/operator/login", json={"token": "guess"}), 401)
+    for response in (
+        browser.post("/operator/login", json={"token": TOKEN}),
+        browser.get("/operator/api/state", headers=BEARER),
+        browser.post("/operator/login", data={"token": TOKEN}),
+    ):
+        assert response.status_code == 429
+        assert response.headers["Retry-After"] == "1"
+    elsewhere = {"REMOTE_ADDR": "10.0.0.9"}
+    assert browser.post("/operator/login", json={"token": TOKEN}, environ_base=elsewhere).status_code == 204
+    site.now += 1
+    assert browser.post("/operator/login", json={"token": TOKEN}).status_code == 204
+    assert "/operator/login from 127.0.0.1 refused: that is not the operators' token" in caplog.messages
+
+
+def test_who_is_signed_in_already_goes_on_while_others_guess(site: Site) -> None:
+    operator = site.operator()
+    for _ in range(9):
+        site.browser().post("/operator/login", json={"token": "guess"})
+    assert operator.get("/operator/api/state").status_code == 200
+
+
+# what is no request
+
+
+@pytest.mark.parametrize("route", DECISIONS)
+@pytest.mark.parametrize(
+    "code, content, content_type",
+    [
+        (415, b"", None),
+        (400, b"", "application/json"),
+        (400, b"null", "application/json"),
+        (400, b"[]", "application/json"),
+        (400, b'"text"', "application/json"),
+        (400, b"{", "application/json"),
+        (400, b"\xff\x00\xfe", "application/json"),
+        (400, b"[" * 100_000, "application/json"),
+        (400, b'{"<script>alert(1)</script>": 1}', "application/json"),
+        (400, b'{"\\ud800\\u0000\\u202e": "x"}', "application/json"),
+        (400, b'{"in_service": 9' + b"9" * 5000 + b"}", "application/json"),
+        (415, b'{"text": "hello"}', "text/plain"),
+        (415, b"text=hello&action=abort", "application/x-www-form-urlencoded"),
+        (413, b'{"text": "' + HUGE.encode() + b'"}', "application/json"),
+    ],
+)
+def test_what_is_no_json_object_is_refused(
+    running: Site, route: tuple[str, str], code: int, content: bytes, content_type: str | None
+) -> None:
+    operator, before, (method, path) = running.operator(), running.state, route
+    refused(operator.open(path, method=method, data=content, content_type=content_type), code)
+    assert unchanged(running, before)
+
+
+IMPOSSIBLE: dict[tuple[str, str], list[dict[str, Any]]] = {
+    ("POST", "battle"): [
+        {}, {"action": None}, {"action": "Start"}, {"action": ""}, {"action": "<b>"}, {"action": 1},
+        {"action": ["pause"]}, {"action": "add_time"}, {"action": "pause", "seconds": 5},
+        *({"action": "add_time", "seconds": seconds}
+          for seconds in (0, 0.5, -1, 3601, True, None, "60", [60], float("nan"), float("inf"))),
+    ],
+    ("POST", "players/ada/sign_out"): [{"name": "bob"}, {"by": "Ann"}],
+    ("POST", "names"): [
+        {}, {"ban": "ada", "unban": "ada"}, {"ban": 1}, {"ban": ""}, {"ban": "a b"}, {"ban": "<b>"}, {"ban": "x" * 17},
+        {"ban": "a\u0000"}, {"unban": None}, {"words": "damn"}, {"words": {}}, {"words": [1]}, {"words": [None]},
+        {"words": [["x"]]}, {"words": [""]}, {"words": [" "]}, {"words": ["x" * 33]}, {"words": ["a\nb"]},
+        {"words": ["\ud800"]}, {"words": ["x"] * 1001},
+    ],
+    ("POST", "robots/0"): [{}, {"in_service": 0}, {"in_service": "false"}, {"in_service": None}, {"out": True}],
+    ("PUT", "rules"): [
+        {"hit_damage": 0}, {"hit_damage": 101}, {"hit_damage": 10.5}, {"hit_damage": "10"}, {"hit_damage": True},
+        {"hit_damage": [1]}, {"practice": 1}, {"practice": "true"}, {"countdown": 0}, {"countdown": float("nan")},
+        {"countdown": 1e400}, {"seats": 129}, {"seats": -1}, {"robot_timeout": 5}, {"hit_damage": 20, "countdown": 0},
+        {"hit_damage": 20, "none": 1},
+    ],
+    ("POST", "message"): [
+        {}, {"text": None}, {"text": 5}, {"text": ["x"]}, {"text": "x" * 201}, {"text": "a\nb"}, {"text": "a\u0007"},
+        {"text": "a\u202eb"}, {"text": "\ud800"}, {"message": "x"},
+    ],
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "method, path, content", [(*route, content) for route, contents in IMPOSSIBLE.items() for content in contents]
+)
+def test_impossible_values_are_refused(running: Site, method: str, path: str, content: dict[str, Any]) -> None:
+    operator, before = running.operator(), running.state
+    assert len(refused(operator.open(f"/operator/api/{path}", method=method, json=content), 400)) < 300
+    assert unchanged(running, before)
+
+
+@pytest.mark.parametrize(
+    "method, path, content",
+    [
+        ("POST", "players/nobody/sign_out", {}),
+        ("POST", "players/%3Cb%3E/sign_out", {}),
+        ("POST", "players/a%0Ab%00/sign_out", {}),
+        ("POST", "players/" + "x" * 10_000 + "/sign_out", {}),
+        ("POST", "players/ada", {}),
+        ("POST", "robots/7", {"in_service": False}),
+        ("POST", "robots/x", {"in_service": False}),
+        ("POST", "robots/-1", {"in_service": False}),
+        ("POST", "robots/" + "9" * 5000, {"in_service": False}),
+        ("POST", "robots/%D9%A0", {"in_service": False}),
+        ("POST", "names", {"unban": "ada"}),
+        ("GET", "nothing", None),
+        ("POST", "%3Cscript%3E", {}),
+    ],
+)
+def test_what_is_not_there_is_not_found(running: Site, method: str, path: str, content: dict[str, Any] | None) -> None:
+    operator, before = running.operator(), running.state
+    refused(operator.open(f"/operator/api/{path}", method=method, json=content), 404)
+    assert unchanged(running, before)
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_a_wrong_method_is_refused_in_json(running: Site, route: tuple[str, str]) -> None:
+    for method in {"GET", "POST", "PUT", "DELETE", "PATCH"} - {route[0]}:
+        response = running.operator().open(route[1], method=method, json={})
+        refused(response, 405)
+        assert route[0] in response.headers["Allow"]
+
+
+def act(site: Site, operator: Any, action: str, **fields: Any) -> Any:
+    return operator.post("/operator/api/battle", json={"action": action, **fields})
+
+
+def test_at_the_wrong_moment_nothing_is_decided(site: Site) -> None:
+    operator = site.operator()
+
+    def wrong(*actions: str) -> None:
+        before = site.state
+        for action in actions:
+            refused(act(site, operator, action, **({"seconds": 60} if action == "add_time" else {})), 409)
+        assert unchanged(site, before)
+
+    site.players("ada")
+    wrong("start", "abort", "pause", "resume", "add_time")
+    site.players("ada", "bob", ready=True)
+    assert site.state["game"]["state"] == "countdown"
+    wrong("resume")
+    done(act(site, operator, "pause"))
+    wrong("pause")
+    done(act(site, operator, "start"))
+    wrong("start", "resume")
+    done(act(site, operator, "abort"))
+    wrong("start", "abort", "pause", "resume", "add_time")
+
+
+# what is decided
+
+
+def test_pause_more_time_and_resume(site: Site) -> None:
+    site.battle()
+    operator = site.operator()
+    left = site.state["game"]["time_left"]
+    done(act(site, operator, "pause"))
+    site.pass_time(100)
+    assert (site.state["game"]["paused"], site.state["game"]["time_left"]) == (True, left)
+    done(act(site, operator, "add_time", seconds=60.5))
+    done(act(site, operator, "resume"))
+    site.pass_time(10)
+    assert (site.state["game"]["paused"], site.state["game"]["time_left"]) == (False, left + 50.5)
+
+
+def test_a_player_is_signed_out(site: Site) -> None:
+    site.players("ada", "bob", "cy", "Dörte")
+    operator = site.operator()
+    done(operator.post("/operator/api/players/D%C3%B6rte/sign_out", json={}))
+    done(operator.post("/operator/api/players/ada/sign_out", json={}))
+    assert [player["name"] for player in site.state["players"]] == ["bob", "cy"]
+    assert site.state["queue"] == []
+
+
+def test_names_are_banned_allowed_again_and_searched_for_words(site: Site) -> None:
+    site.players("ada")
+    operator, visitor = site.operator(), site.browser()
+    done(operator.post("/operator/api/names", json={"ban": "ADA"}))
+    done(operator.post("/operator/api/names", json={"words": ["Damn", "damn", "Damn"]}))
+    assert site.state["players"] == []
+    assert site.state["names"] == {"banned": ["ADA"], "words": ["Damn", "damn"]}
+    for name, why in (("ada", "banned"), ("GODDAMN", "not allowed")):
+        response = visitor.post("/signUpUser", data={"data": name})
+        content = json.loads(response.text)
+        assert (response.status_code, content["status"]) == (403, "ERROR")
+        assert why in content["error"]
+    assert site.state["players"] == []
+    done(operator.post("/operator/api/names", json={"unban": "ada"}))
+    done(operator.post("/operator/api/names", json={"words": []}))
+    assert site.state["names"] == {"banned": [], "words": []}
+    assert json.loads(visitor.post("/signUpUser", data={"data": "ada"}).text)["status"] == "OK"
+
+
+def test_a_thousand_words_of_any_script_fit(site: Site) -> None:
+    words = [f"{number:04}" + "語" * 28 for number in range(1000)]
+    done(site.operator().post("/operator/api/names", json={"words": words}))
+    assert site.state["names"]["words"] == words
+
+
+def test_a_robot_goes_out_of_service_and_back(site: Site) -> None:
+    site.players("ada", "bob", "cy")
+    operator = site.operator()
+    done(operator.post("/operator/api/robots/1", json={"in_service": False}))
+    robot = operator.get("/operator/api/state").json["robots"][1]
+    assert (robot["id"], robot["name"], robot["player"], robot["in_service"]) == (1, "pi1", None, False)
+    assert [waiter["name"] for waiter in site.state["queue"]] == ["bob"]
+    done(operator.post("/operator/api/robots/1", json={"in_service": True}))
+    assert site.state["robots"][1]["offered_to"] == "bob"
+
+
+def test_rules_change_at_once_all_or_none_and_back(site: Site) -> None:
+    site.battle()
+    operator = site.operator()
+    done(operator.put("/operator/api/rules", json={"hit_damage": 60, "practice": True, "countdown": 2.5}))
+    rules = operator.get("/operator/api/state").json["rules"]
+    assert rules["hit_damage"] == {
+        "value": 60, "default": 10, "min": 1, "max": 100, "text": "life (of 100) that a hit takes",
+    }  # fmt: skip
+    assert (rules["practice"]["value"], rules["practice"]["min"], rules["countdown"]["value"]) == (True, None, 2.5)
+    site.game.hit(1)
+    assert [player["life"] for player in site.state["players"]] == [100, 40]
+    done(operator.put("/operator/api/rules", json={"hit_damage": None}))
+    assert site.state["rules"]["hit_damage"]["value"] == 10
+
+
+def test_a_message_is_shown_and_taken_back(site: Site) -> None:
+    operator = site.operator()
+    done(operator.post("/operator/api/message", json={"text": " <b>Pause</b> bis 15:00 ☕ "}))
+    assert site.game.snapshot().message == "<b>Pause</b> bis 15:00 ☕"
+    done(operator.post("/operator/api/message", json={"text": ""}))
+    assert site.game.snapshot().message == ""
+
+
+def test_what_is_so_already_is_no_event(site: Site) -> None:
+    operator = site.operator()
+    for method, path, content in (
+        ("POST", "names", {"ban": "ada"}),
+        ("POST", "names", {"words": ["x"]}),
+        ("POST", "robots/0", {"in_service": False}),
+        ("PUT", "rules", {"hit_damage": 50}),
+        ("POST", "message", {"text": "hello"}),
+    ):
+        site.keep()
+        done(operator.open(f"/operator/api/{path}", method=method, json=content))
+        assert len(site.keep()) == 1
+        done(operator.open(f"/operator/api/{path}", method=method, json=content))
+        assert site.keep() == []
+
+
+# what is shown
+
+
+def test_the_state_has_all_that_is_promised(site: Site) -> None:
+    site.battle()
+    site.players("cy", "dee")
+    state = site.operator().get("/operator/api/state").json
+    assert state.keys() == {
+        "time", "game", "robots", "players", "queue", "rules", "names", "database", "versions", "operator", "log",
+    }  # fmt: skip
+    assert state["game"].keys() == {"state", "paused", "time_left", "battle", "notice", "message"}
+    assert state["robots"][0].keys() >= {
+        "id", "name", "player", "offered_to", "in_service", "ping_age", "linked",
+    }  # fmt: skip
+    assert state["players"][0].keys() == {"name", "robot", "life", "ready", "avatar", "seat_left", "page_age"}
+    assert state["queue"] == [{"name": "dee", "place": 1, "offer": None, "seconds": pytest.approx(185)}]
+    assert len(state["rules"]) == 10
+    assert state["database"]["problem"] == ""
+    assert state["versions"].keys() == {"laserbot", "python", "ros", "database"}
+    assert state["versions"]["database"].startswith("sqlite 3.")
+
+
+def test_no_password_is_shown(tmp_path: Path) -> None:
+    site = Site(tmp_path, LASERBOT_DATABASE="postgresql+pg8000://op:secret@host/game")
+    state = site.operator().get("/operator/api/state")
+    assert state.json["database"]["url"] == "postgresql+pg8000://op@host/game"
+    site.database.close()
+
+
+def test_no_session_is_shown(site: Site) -> None:
+    site.battle()
+    site.keep()
+    operator = site.operator()
+    for path in ("state", "log.json", "log.csv"):
+        assert "session of" not in operator.get(f"/operator/api/{path}").text
+
+
+def test_every_decision_is_in_the_log_with_its_time_and_who(site: Site) -> None:
+    site.battle()
+    operator = site.operator("Ann")
+    site.keep()
+    for action in ("pause", "resume", "abort"):
+        done(act(site, operator, action))
+    done(operator.post("/operator/api/names", json={"ban": "ada"}))
+    assert operator.get("/operator/api/drive").status_code == 200
+    done(operator.post("/operator/api/message", json={"text": "=hello"}))
+    site.keep()
+    log = operator.get("/operator/api/state").json["log"]
+    assert [(entry["kind"], entry["by"]) for entry in log[:7]] == [
+        ("MessageShown", "Ann"), ("DriveTaken", "Ann"), ("Left", "Ann"), ("NameBanned", "Ann"), ("BattleEnded", "Ann"),
+        ("Resumed", "Ann"), ("Paused", "Ann"),
+    ]  # fmt: skip
+    assert log[7]["by"] is None
+    assert log[0]["text"] == "message to everybody: =hello (by Ann)"
+    assert all(isinstance(entry["at"], float) for entry in log)
+    assert len(log) <= 50
+
+
+def test_the_whole_log_comes_from_the_database(site: Site) -> None:
+    operator = site.operator("=Ann")
+    assert operator.get("/operator/api/log.json").json == []
+    site.battle()
+    for _ in range(600):
+        done(operator.post("/operator/api/message", json={"text": "one"}))
+        done(operator.post("/operator/api/message", json={"text": "two"}))
+    kinds = site.keep()
+    until(lambda: len(operator.get("/operator/api/log.json").json) == len(kinds), 20, "all is written")
+    log = operator.get("/operator/api/log.json")
+    assert log.content_type == "application/json"
+    assert [entry["kind"] for entry in log.json] == kinds
+    assert log.json[-1]["data"] == {"text": "two", "by": "=Ann"}
+    assert log.json[-1].keys() == {"at", "kind", "text", "by", "data"}
+    table = operator.get("/operator/api/log.csv")
+    assert table.content_type == "text/csv; charset=utf-8"
+    rows = list(csv.DictReader(io.StringIO(table.text)))
+    assert [row["kind"] for row in rows] == kinds
+    assert rows[-1]["by"] == "'=Ann", "no spreadsheet computes it"
+    assert json.loads(rows[-1]["data"]) == {"text": "two", "by": "=Ann"}
+
+
+def test_the_newest_of_the_log_outlive_the_program(site: Site) -> None:
+    site.battle()
+    site.keep()
+    site.database.close()
+    again = EventLog(site.database)
+    again.open()
+    assert [(entry["kind"], entry["text"]) for entry in again.latest()] == [
+        (entry["kind"], entry["text"]) for entry in site.log.latest()
+    ]
+
+
+def test_without_the_database_only_the_download_fails(site: Site, tmp_path: Path) -> None:
+    operator = site.operator()
+    site.database.close()
+    (tmp_path / "game.db").unlink()
+    for suffix in ("-wal", "-shm"):
+        (tmp_path / f"game.db{suffix}").unlink(missing_ok=True)
+    for path in ("log.json", "log.csv"):
+        assert "database" in refused(operator.get(f"/operator/api/{path}"), 503)
+    assert operator.get("/operator/api/state").status_code == 200
+
+
+def test_a_ticket_for_a_test_drive_is_good_for_seconds(site: Site) -> None:
+    content = site.operator().get("/operator/api/drive").json
+    assert content["port"] == 9191
+    end = int(content["ticket"].partition(".")[0])
+    assert is_operator_ticket(content["ticket"], TOKEN, end - 1)
+    assert not is_operator_ticket(content["ticket"], TOKEN, end + 1)
+    assert not is_operator_ticket(content["ticket"], "another token", end - 1)
+    assert TOKEN not in content["ticket"]

@@ -1,0 +1,368 @@
+"""What was played, as pages, JSON and CSV, over a real database file with battles that a referee decided."""
+
+import csv
+import io
+import json
+import sqlite3
+from contextlib import closing
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+from flask import Flask
+from sqlalchemy import URL
+
+from server.game.loop import GameLoop
+from server.game.referee import Referee
+from server.game.robot import HIT_INTERVAL
+from server.game.rules import Rules
+from server.settings import Settings
+from server.store.course import courses
+from server.store.database import Database
+from server.store.results import Results
+from server.web.app import create_app
+from server.web.results import create_results
+from tests.support.polling import until
+
+EPOCH = 1_740_000_000  # what the wall's clock is ahead of the match's
+ROUTES = (
+    "/results",
+    "/results.json",
+    "/results.csv",
+    "/results/1",
+    "/results/1.json",
+    "/results/leaderboard",
+    "/results/leaderboard.json",
+    "/results/leaderboard.csv",
+)
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "laserbot.db"
+
+
+@pytest.fixture
+def keep(file, match):
+    """Writes what the match has decided since the last time."""
+
+    def write() -> None:
+        database = Database(
+            URL.create("sqlite", database=str(file)), wall=lambda: match.now + EPOCH, clock=lambda: match.now
+        )
+        database.open()
+        database.record(match.referee.take_journal(), match.referee.saved(match.now))
+        until(lambda: saved_at(file) == match.now + EPOCH, 10, "it is written")
+        database.close()
+
+    return write
+
+
+def change(file: Path, statement: str, *values: object) -> None:
+    with closing(sqlite3.connect(file)) as connection, connection:
+        connection.execute(statement, values)
+
+
+def saved_at(file: Path) -> float | None:
+    with closing(sqlite3.connect(file)) as connection:
+        row = connection.execute("SELECT at FROM state").fetchone()
+    return row[0] if row else None
+
+
+@pytest.fixture
+def played(match, keep):
+    """Three battles: Zoë beats bob in 8 s; bob wins as ada leaves; the third runs."""
+    match.sign_up("Zoë", "bob")
+    match.ready("Zoë", "bob")
+    match.wait(15)
+    match.hit("Zoë", 2)
+    match.wait(8 - 12 * HIT_INTERVAL)
+    match.hit("bob", 10)
+    match.sign_out("Zoë")
+    match.sign_up("ada")
+    match.ready("ada", "bob")
+    match.wait(15 + 20 - HIT_INTERVAL)
+    match.hit("bob", 1)
+    match.sign_out("ada")
+    match.sign_up("_x1")
+    match.ready("_x1", "bob")
+    match.wait(15 + 1)
+    match.hit("bob", 3)
+    keep()
+    return match
+
+
+@pytest.fixture
+def browser(file):
+    return create_app(
+        GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_DATABASE": f"sqlite:///{file}"})
+    ).test_client()
+
+
+def table(response) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(response.get_data().decode("utf-8-sig"))))
+
+
+def test_the_list_has_the_newest_battle_first(played, browser):
+    listed = browser.get("/results.json").json
+    assert (listed["total"], listed["page"], listed["pages"], listed["size"]) == (3, 1, 1, 25)
+    assert [(one["id"], one["number"], one["running"], one["cause"]) for one in listed["battles"]] == [
+        (3, 3, True, None),
+        (2, 2, False, "ada signed out"),
+        (1, 1, False, "bob was shot down"),
+    ]
+    third, second, first = listed["battles"]
+    assert first["seconds"] == pytest.approx(8)
+    assert first["began"] == pytest.approx(EPOCH + 1015)
+    assert first["fighters"] == [
+        {"place": 1, "name": "Zoë", "robot": 0, "life": 80, "left": False, "hits_taken": 2, "hits_given": None}
+        | {"seconds": pytest.approx(8)},
+        {"place": 2, "name": "bob", "robot": 1, "life": 0, "left": False, "hits_taken": 10, "hits_given": None}
+        | {"seconds": pytest.approx(8)},
+    ]
+    assert [(one["name"], one["place"], one["left"]) for one in second["fighters"]] == [
+        ("bob", 1, False),
+        ("ada", 2, True),
+    ]
+    assert third["seconds"] is None
+    assert {one["name"] for one in third["fighters"]} == {"bob", "_x1"}
+
+
+def test_the_pages_say_the_same(played, browser):
+    page = browser.get("/results").text
+    assert page.index("Battle 3") < page.index("Battle 2") < page.index("Battle 1")
+    assert "running" in page
+    assert "Zoë" in page
+    battle = browser.get("/results/1").text
+    assert "0:08 min: bob was shot down." in battle
+    assert battle.count("was hit") == 12
+    assert "has no result" not in battle
+    assert "has no result" not in browser.get("/results/3").text
+    leaderboard = browser.get("/results/leaderboard").text
+    assert leaderboard.index("Zoë") < leaderboard.index("ada")
+
+
+def test_a_battle_that_was_cut_off_is_told_from_one_that_runs(played, browser, file):
+    change(file, "DELETE FROM state")
+    assert not browser.get("/results/3.json").json["running"]
+    assert "cut off" in browser.get("/results").text
+    assert "has no result" in browser.get("/results/3").text
+
+
+def test_the_time_line_has_what_happened_in_order(played, browser):
+    timeline = browser.get("/results/2.json").json["timeline"]
+    assert timeline == [
+        {"at": pytest.approx(20), "name": "bob", "what": "hit", "life": 90},
+        {"at": pytest.approx(20), "name": "ada", "what": "left", "life": 100},
+    ]
+
+
+def test_a_battle_that_was_seen_from_above_can_be_played_again(played, browser, file):
+    assert browser.get("/results/1.json").json["track"] is None
+    assert "replay" not in browser.get("/results/1").text
+    floor = {"width": 2.0, "height": 1.0, "walls": [[0, 0, 2, 0]]}
+    for times, seen in (([0.1, 0.3], [[0.5, 0.25, 90], None]), ([0.5], [[0.6, 0.25, 90]])):
+        piece = {"floor": floor, "times": times, "robots": {"0": seen}}
+        change(file, "INSERT INTO tracks (battle, data) VALUES (2, ?)", json.dumps(piece))
+    assert browser.get("/results/2.json").json["track"] == {
+        "floor": floor,
+        "times": [0.1, 0.3, 0.5],
+        "robots": {"0": [[0.5, 0.25, 90], None, [0.6, 0.25, 90]]},
+    }
+    assert 'id="replay-floor"' in browser.get("/results/2").text
+    assert "replay" not in browser.get("/results/3").text
+
+
+def test_the_chart_is_as_long_as_the_battle(played, browser):
+    page = browser.get("/results/1").text
+    assert "M0 0.0H12.5V40.0H25.0V80.0H1000.0" in page, "hit twice at the beginning, then lived on"
+    assert "V403.0H1000.0" in page, "bob died at the end"
+
+
+def test_the_leaderboard_counts_what_was_won_and_taken(played, browser):
+    board = browser.get("/results/leaderboard.json").json
+    assert board["day"] == "all"
+    assert board["players"] == [
+        {"place": 1, "name": "Zoë", "battles": 1, "wins": 1, "hits_taken": 2, "hits_given": None}
+        | {"seconds": pytest.approx(8)},
+        {"place": 2, "name": "bob", "battles": 2, "wins": 1, "hits_taken": 11, "hits_given": None}
+        | {"seconds": pytest.approx(28)},
+        {"place": 3, "name": "ada", "battles": 1, "wins": 0, "hits_taken": 0, "hits_given": None}
+        | {"seconds": pytest.approx(20)},
+    ]
+
+
+def test_the_leaderboard_of_a_day_has_that_day_only(match, keep, browser):
+    for names in (("ada", "bob"), ("cy", "dee")):
+        match.start(*names)
+        match.hit(names[1], 10)
+        for name in names:
+            match.sign_out(name)
+        keep()
+        match.now += 86_400
+        match.wait(0.4)
+        for number in range(4):
+            match.register(f"/id_service_client_{number}")
+    first = datetime.fromtimestamp(EPOCH + 1000).date().isoformat()
+
+    def players(day: str) -> list[str]:
+        return [one["name"] for one in browser.get(f"/results/leaderboard.json?day={day}").json["players"]]
+
+    assert players(first) == ["ada", "bob"]
+    assert players("1999-01-01") == []
+    assert sorted(players("all")) == ["ada", "bob", "cy", "dee"]
+    assert "on this day" in browser.get("/results/leaderboard?day=1999-01-01").text
+
+
+def test_an_aborted_battle_is_listed_and_has_no_winner(played, browser, file):
+    change(file, "UPDATE battles SET counts = 0 WHERE id = 1")
+    assert "aborted" in browser.get("/results").text
+    assert "aborted" in browser.get("/results/1").text
+    assert [one["counts"] for one in browser.get("/results.json").json["battles"]] == [True, True, False]
+    assert [one["name"] for one in browser.get("/results/leaderboard.json").json["players"]] == ["bob", "ada"]
+
+
+def test_pages_are_bounded_and_linked(played, browser):
+    first = browser.get("/results?size=2")
+    assert "page=2&amp;size=2" in first.text
+    second = browser.get("/results.json?size=2&page=2").json
+    assert ([one["id"] for one in second["battles"]], second["pages"]) == ([1], 2)
+    assert browser.get("/results.json?size=2&page=3").status_code == 404
+
+
+def test_nothing_has_been_played_yet(match, keep, browser):
+    keep()
+    assert "No battle has been played yet" in browser.get("/results").text
+    assert browser.get("/results.json").json["battles"] == []
+    assert "Nobody has finished a battle yet" in browser.get("/results/leaderboard").text
+    assert browser.get("/results/1").status_code == 404
+
+
+def test_the_files_are_for_spreadsheets(played, browser, file):
+    change(file, "UPDATE battles SET cause = '=1+1' WHERE id = 1")
+    change(file, "UPDATE fighters SET name = ? WHERE battle = 1 AND robot = 1", '-x,"y')
+    response = browser.get("/results.csv")
+    assert response.content_type == "text/csv; charset=utf-8"
+    assert "attachment" in response.headers["Content-Disposition"]
+    lines = [line for line in table(response) if line["id"] == "1"]
+    assert [(line["place"], line["name"], line["cause"], line["hits_taken"], line["played"]) for line in lines] == [
+        ("1", "Zoë", "'=1+1", "2", "8.0"),
+        ("2", "'-x,\"y", "'=1+1", "10", "8.0"),
+    ]
+    assert datetime.fromisoformat(lines[0]["began"]).timestamp() == EPOCH + 1015
+    board = table(browser.get("/results/leaderboard.csv"))
+    assert [(line["place"], line["name"], line["wins"], line["hits_given"]) for line in board[:2]] == [
+        ("1", "bob", "1", ""),
+        ("2", "Zoë", "1", ""),
+    ]
+
+
+def test_a_cell_that_a_spreadsheet_would_work_out_is_text(played, browser, file):
+    for value in ("=1", "+1", "-1", "@x", "\tx", "\rx"):
+        change(file, "UPDATE fighters SET name = ?", value)
+        assert {line["name"] for line in table(browser.get("/results.csv"))} == {f"'{value}"}
+        assert {line["name"] for line in table(browser.get("/results/leaderboard.csv"))} == {f"'{value}"}
+
+
+NO_NUMBERS = ("0", "-1", "1.5", "", "1e3", "%D9%A1", "9" * 5000, "%3Cscript%3E", "1%00", "1%0a", "x")
+
+
+@pytest.mark.parametrize("path", ["/results", "/results.json", "/results.csv"])
+def test_a_wrong_page_is_refused(played, browser, path):
+    for query in [f"{name}={value}" for name in ("page", "size") for value in NO_NUMBERS]:
+        expect_refusal(browser.get(f"{path}?{query}"), path, 400)
+    expect_refusal(browser.get(f"{path}?size=501"), path, 400)
+    expect_refusal(browser.get(f"{path}?page=999999"), path, 404)
+
+
+@pytest.mark.parametrize("ending", ["", ".json"])
+def test_an_unknown_battle_is_not_found(played, browser, ending):
+    for battle in (*NO_NUMBERS, "99", "01", "99999999999999999999", "%20"):
+        if battle:
+            expect_refusal(browser.get(f"/results/{battle}{ending}"), f"/results/x{ending}", 404)
+
+
+@pytest.mark.parametrize("ending", ["", ".json", ".csv"])
+def test_a_wrong_day_is_refused(played, browser, ending):
+    path = f"/results/leaderboard{ending}"
+    wrong = ("2025-02-30", "2025-2-1", "20250201", "0000-01-01", "2025-01-01%00", "2025-01-01%0a", "x", "9999-12-31")
+    for day in (*wrong, *NO_NUMBERS):
+        if day:
+            expect_refusal(browser.get(f"{path}?day={day}"), path, 400)
+
+
+@pytest.mark.parametrize("day", ["0001-01-01", "1970-01-01", "9999-12-30"])
+def test_the_ends_of_the_calendar_are_no_accident(played, browser, day):
+    assert browser.get(f"/results/leaderboard.json?day={day}").status_code in {200, 400}
+
+
+@pytest.mark.parametrize("path", ROUTES)
+def test_only_reading_is_allowed(played, browser, path):
+    for method in ("post", "put", "delete"):
+        assert getattr(browser, method)(path).status_code == 405
+    assert browser.head(path).status_code == 200
+
+
+def expect_refusal(response, path: str, code: int) -> None:
+    assert response.status_code == code
+    assert "<script" not in response.text
+    assert "Traceback" not in response.text
+    if path.endswith(".json"):
+        assert set(json.loads(response.text)) == {"error"}
+    elif path.endswith(".csv"):
+        assert response.content_type.startswith("text/plain")
+    else:
+        assert "</html>" in response.text
+
+
+@pytest.mark.parametrize("path", ROUTES)
+def test_without_its_database_the_pages_say_so(browser, path, file):
+    for make in (lambda: None, lambda: file.write_text("what is this? " * 1000)):
+        make()
+        response = browser.get(path)
+        assert response.status_code == 503
+        assert "database cannot be read" in response.text
+    assert browser.get("/").status_code == 200
+    assert not file.with_name("laserbot.db-wal").exists(), "reading makes nothing"
+
+
+def test_results_can_be_read_while_another_program_writes(played, browser, file):
+    writer = sqlite3.connect(file, isolation_level=None)
+    writer.execute("BEGIN IMMEDIATE")
+    writer.execute("DELETE FROM events")
+    assert browser.get("/results/1.json").status_code == 200
+    writer.execute("ROLLBACK")
+    writer.close()
+
+
+def test_who_comes_when_others_read_is_told_to_come_again(played, file):
+    results = Results(URL.create("sqlite", database=str(file)))
+    for _ in range(2):
+        results._turns.acquire()
+    crowded = Flask("crowded")
+    crowded.register_blueprint(create_results(results))
+    response = crowded.test_client().get("/results.json")
+    assert response.status_code == 503
+    assert response.headers["Retry-After"]
+
+
+def test_no_session_ever_leaves_the_database(played, browser):
+    """Whoever has a session's digest can sign in to rosbridge as that player."""
+    for path in ROUTES:
+        assert "session of" not in browser.get(path).text
+
+
+def test_a_course_is_read_from_the_events():
+    began = {"fighters": [{"name": "ada", "robot": 3, "avatar": 1}, {"name": "bob", "robot": 4, "avatar": 2}]}
+    ada, bob = courses(
+        [
+            (100.0, "BattleStarted", began),
+            (101.0, "Hit", {"name": "ada", "robot": 3, "life": 0}),
+            (102.0, "Left", {"name": "ada", "how": "signed out"}),
+            (103.0, "RobotGone", {"robot": 4}),
+            (104.0, "Left", {"name": "bob", "how": "lost the robot"}),
+            (105.0, "Left", {"name": "somebody else", "how": "signed out"}),
+        ]
+    )
+    assert (ada.life, ada.hits, ada.out, ada.left) == (0, 1, 1.0, 2.0)
+    assert (bob.life, bob.hits, bob.out, bob.left) == (100, 0, 3.0, 3.0)

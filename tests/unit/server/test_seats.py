@@ -1,0 +1,291 @@
+"""More people than robots: the queue, offers, and seats that pass on."""
+
+from typing import Any
+
+import pytest
+
+from server.game.referee import Verdict
+from server.game.rules import Rules
+
+
+def join(match, *names: str) -> None:
+    """Sign up, and wait if there is no robot."""
+    for name in names:
+        verdict, _ = match.referee.sign_up(name, match.session(name), 0, match.now, wait=True)
+        assert verdict in (Verdict.OK, Verdict.QUEUED)
+
+
+def queue(match) -> list[tuple[str, int | None]]:
+    return [(waiter.name, waiter.offer) for waiter in match.state.queue]
+
+
+def take(match, name: str) -> Verdict:
+    return match.referee.take_offer(match.session(name), match.now)[0]
+
+
+def pass_time(match, seconds: float, gone: tuple[str, ...] = ()) -> None:
+    """Like match.wait, with the pages of those who wait."""
+    end = match.now + seconds
+    while match.now < end:
+        match.wait(min(0.4, end - match.now), gone_pages=gone)
+        for waiter in match.state.queue:
+            if waiter.name not in gone:
+                match.referee.seen(waiter.session, match.now)
+
+
+@pytest.fixture
+def two(new_match) -> Any:
+    """Two robots, ada and bob on them; cy and dee wait."""
+    match = new_match(robots=2)
+    join(match, "ada", "bob", "cy", "dee")
+    return match
+
+
+def test_who_finds_no_robot_waits_in_the_order_of_coming(two):
+    assert two.names == ["ada", "bob"]
+    assert queue(two) == [("cy", None), ("dee", None)]
+    assert [waiter.place for waiter in two.state.queue] == [1, 2]
+    first, second = (waiter.seconds for waiter in two.state.queue)
+    assert 0 < first < second
+
+
+def test_a_free_robot_is_offered_to_the_first_and_to_nobody_else(two):
+    two.sign_out("bob")
+    assert queue(two) == [("cy", 1), ("dee", None)]
+    assert two.state.available_robots == 0
+    assert two.referee.sign_up("eve", "e", 0, two.now)[0] is Verdict.NO_ROBOTS
+    assert two.referee.sign_up("eve", "e", 0, two.now, wanted=1)[0] is Verdict.ROBOT_UNAVAILABLE
+    assert take(two, "dee") is Verdict.NO_OFFER
+    assert take(two, "cy") is Verdict.OK
+    assert two.player("cy").robot == 1
+    assert take(two, "cy") is Verdict.OK, "twice is once"
+    assert queue(two) == [("dee", None)]
+
+
+def test_who_does_not_take_the_robot_in_time_makes_way(two):
+    two.sign_out("bob")
+    pass_time(two, 19.9)
+    assert queue(two) == [("cy", 1), ("dee", None)]
+    pass_time(two, 0.2)
+    assert queue(two) == [("dee", 1)]
+    assert take(two, "cy") is Verdict.UNKNOWN_USER
+
+
+def test_an_offer_ends_with_its_robot_and_the_place_is_kept(two):
+    two.sign_out("bob")
+    two.wait(4, dead_robots=(1,))
+    assert queue(two) == [("cy", None), ("dee", None)]
+    assert two.register("/id_service_client_1") == 1
+    assert queue(two) == [("cy", 1), ("dee", None)]
+
+
+def test_a_robot_that_registers_is_offered_at_once(two):
+    assert two.register("/new") == 2
+    assert queue(two) == [("cy", 2), ("dee", None)]
+
+
+def test_who_waits_and_closes_the_page_is_forgotten_after_a_minute(two):
+    pass_time(two, 59, gone=("cy",))
+    assert queue(two)[0][0] == "cy"
+    two.ready("ada", "bob")  # else the idle rule gives a seat away
+    pass_time(two, 2, gone=("cy",))
+    assert [name for name, _ in queue(two)] == ["dee"]
+
+
+def test_signing_up_again_keeps_the_place(two):
+    verdict, waiter = two.referee.sign_up("cy", "new", 0, two.now, old_session=two.session("cy"), wait=True)
+    assert (verdict, waiter.place, waiter.session) == (Verdict.QUEUED, 1, two.session("cy"))
+    assert two.referee.sign_up("cy", "new", 0, two.now, wait=True)[0] is Verdict.NAME_TAKEN
+
+
+def test_one_visitor_waits_once(two):
+    two.referee.sign_up("cyril", "new", 0, two.now, old_session=two.session("cy"), wait=True)
+    assert queue(two) == [("dee", None), ("cyril", None)]
+
+
+def test_who_is_not_ready_while_others_wait_is_warned_and_loses_the_seat(two):
+    two.ready("ada")
+    pass_time(two, 45)
+    assert two.player("bob").seat_left == pytest.approx(15)
+    assert two.player("ada").seat_left == 0
+    pass_time(two, 15.1)
+    assert two.names == ["ada"]
+    assert queue(two) == [("cy", 1), ("dee", None), ("bob", None)]
+
+
+def test_nobody_loses_the_seat_while_nobody_waits(new_match):
+    match = new_match(robots=1)
+    join(match, "ada")
+    match.wait(500)
+    assert match.player("ada").seat_left == 0
+    join(match, "bob")
+    pass_time(match, 59)
+    assert match.names == ["ada"], "the time begins when somebody waits"
+    pass_time(match, 2)
+    assert match.names == []
+
+
+def test_nobody_loses_the_seat_for_watching_a_battle(new_match):
+    match = new_match(robots=3)
+    join(match, "ada", "bob", "eve", "cy")
+    match.ready("ada", "bob")
+    pass_time(match, 15)
+    pass_time(match, 200)
+    assert "eve" in match.names
+    match.hit("bob", 10)
+    pass_time(match, 59)
+    assert "eve" in match.names
+    pass_time(match, 2)
+    assert "eve" not in match.names
+
+
+def battle(match) -> None:
+    match.ready("ada", "bob")
+    pass_time(match, 15)
+    match.hit("bob", 10)
+
+
+def test_after_three_battles_in_a_row_the_seat_passes_on(two):
+    for _ in range(2):
+        battle(two)
+        assert two.names == ["ada", "bob"]
+    battle(two)
+    assert queue(two) == [("cy", 0), ("dee", 1), ("ada", None), ("bob", None)]
+    assert [placing.name for placing in two.state.result] == ["ada", "bob"]
+
+
+def test_the_seat_stays_while_nobody_waits_and_passes_on_when_somebody_comes(new_match):
+    match = new_match(robots=2)
+    join(match, "ada", "bob")
+    for _ in range(5):
+        battle(match)
+    assert match.names == ["ada", "bob"]
+    join(match, "cy")
+    assert queue(match) == [("cy", 0), ("ada", None)], "one has come, so one passes it on"
+    assert match.names == ["bob"]
+
+
+def test_zero_battles_in_a_row_means_as_many_as_one_likes(new_match):
+    match = new_match(robots=2, rules=Rules(battles_in_row=0))
+    join(match, "ada", "bob", "cy")
+    for _ in range(5):
+        battle(match)
+    assert match.names == ["ada", "bob"]
+
+
+def wait_from(match, name: str, address: str) -> None:
+    match.referee.sign_up(name, match.session(name), 0, match.now, wait=True, address=address)
+
+
+def test_an_address_that_has_a_robot_gets_another_one_only_when_nobody_from_elsewhere_waits(new_match):
+    match = new_match(robots=1)
+    wait_from(match, "ada", "10.0.0.1")
+    wait_from(match, "adam", "10.0.0.1")
+    wait_from(match, "bob", "10.0.0.2")
+    match.register("/new")
+    assert queue(match) == [("adam", None), ("bob", 1)]
+    match.register("/newer")
+    assert queue(match) == [("adam", 2), ("bob", 1)]
+
+
+def test_an_offer_counts_as_a_robot_of_the_address_also_in_the_next_program(new_match):
+    match = new_match(robots=0)
+    for name, address in (("ada", "10.0.0.1"), ("adam", "10.0.0.1"), ("bob", "10.0.0.2")):
+        wait_from(match, name, address)
+    match.register("/a")
+    match.restart()
+    match.register("/b")
+    assert queue(match) == [("ada", 0), ("adam", None), ("bob", 1)]
+
+
+def test_queue_and_offers_outlive_the_program(two):
+    two.sign_out("bob")
+    pass_time(two, 5)
+    two.restart()
+    assert queue(two) == [("cy", 1), ("dee", None)]
+    assert two.state.queue[0].seconds == pytest.approx(15)
+    assert two.state.available_robots == 0
+    assert take(two, "cy") is Verdict.OK
+
+
+def test_one_of_several_robots_at_an_address_passes_on_to_people_from_elsewhere(new_match):
+    """However often its players say that they are ready."""
+    match = new_match(robots=3)
+    for name in ("ada", "adam", "addy"):
+        match.referee.sign_up(name, match.session(name), 0, match.now, address="10.0.0.1")
+    wait_from(match, "bob", "10.0.0.2")
+    for _ in range(20):
+        match.ready("ada", "adam", "addy")
+        pass_time(match, 4)
+        if match.state.queue[0].offer is not None:
+            break
+        match.ready("ada", "adam", "addy", ready=False)
+    assert queue(match)[0] == ("bob", 2)
+    assert match.names == ["ada", "adam"], "one waits, so one passes on"
+
+
+def test_short_wishes_to_play_keep_no_seat(two):
+    for _ in range(13):
+        pass_time(two, 5)
+        if "ada" in two.names:
+            two.ready("ada")
+            two.ready("ada", ready=False)
+    assert "ada" not in two.names
+
+
+def test_the_queue_is_bounded_in_all_and_for_an_address(new_match):
+    match = new_match(robots=0)
+    verdicts = [
+        match.referee.sign_up(f"n{number}", f"s{number}", 0, match.now, wait=True, address=f"10.0.0.{number // 11}")[0]
+        for number in range(122)
+    ]
+    assert verdicts[:11] == [Verdict.QUEUED] * 10 + [Verdict.NO_ROBOTS]
+    assert verdicts.count(Verdict.QUEUED) == 100
+
+
+def test_an_offer_is_withdrawn_when_its_robot_leaves_its_topics(two):
+    two.sign_out("bob")
+    assert queue(two)[0] == ("cy", 1)
+    two.referee.robots_linked({0}, two.now)
+    assert queue(two)[0] == ("cy", None)
+    assert take(two, "cy") is Verdict.NO_OFFER
+    two.referee.robots_linked({0, 1}, two.now)
+    assert queue(two)[0] == ("cy", 1)
+
+
+def test_a_name_in_other_letters_is_the_same_player(two):
+    assert two.referee.set_ready("ADA", True, two.session("ada"), two.now) is Verdict.OK
+    assert two.player("ada").ready
+    assert two.referee.sign_out("ADA", two.session("ada"), two.now) is Verdict.OK
+    assert "ada" not in two.names
+    assert two.referee.set_ready("cy", True, two.session("cy"), two.now) is Verdict.UNKNOWN_USER, "who waits"
+
+
+def test_time_of_being_ready_is_not_idle(two):
+    """cy waits from the beginning; idle for 20 s, then ready for 50 s."""
+    pass_time(two, 20)
+    two.ready("ada")
+    pass_time(two, 50)
+    assert two.names == ["ada"], "bob was idle for 60 s"
+    two.ready("ada", ready=False)
+    pass_time(two, 39)
+    assert "ada" in two.names
+    pass_time(two, 2)
+    assert "ada" not in two.names
+
+
+def test_a_deadline_that_comes_up_late_is_of_now(new_match):
+    """The queue is old when somebody from elsewhere joins it."""
+    match = new_match(robots=2)
+    for name in ("ada", "adam"):
+        match.referee.sign_up(name, match.session(name), 0, match.now, address="10.0.0.1")
+    wait_from(match, "addy", "10.0.0.1")
+    for _ in range(10):
+        match.ready("ada", "adam")
+        pass_time(match, 10)
+        match.ready("ada", "adam", ready=False)
+    wait_from(match, "bob", "10.0.0.2")
+    match.wait(0.4)
+    assert ("bob", 1) in queue(match)
+    times = [one.at for one in match.referee.take_journal()]
+    assert times == sorted(times)
