@@ -4,24 +4,29 @@ import argparse
 import asyncio
 import contextlib
 import logging
+import os
 import random
 import sys
+from typing import NoReturn
 
 import aiohttp
 
+from laser_bot_battle.announcement import NoArenaError
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import Game
+from laser_bot_battle.place import Place, find_again, locate
 from laser_bot_battle.settings import describe, read_or_exit
 from sim.bot_course import Course
-from sim.bot_game import RETRY, Arena, Eyes, GameError, Rosbridge, Status, Web
+from sim.bot_game import RETRY, Arena, Eyes, GameError, Player, Rosbridge, Status, Web
 from sim.bot_mind import NEUTRAL, Command, Mind
 from sim.bot_settings import PREFIX, VARIABLES, Settings, following, is_bot
-from sim.lifecycle import live_until, signalled
+from sim.lifecycle import first_of, live_until, signalled
 
 TICK = 0.04  # s between two commands
 HEARTBEAT = 1.0  # s between two signs of life
 READY_PAUSE = 0.5  # s between two calls that change ready
 GOODBYE_SECONDS = 2.0
+GONE_AFTER = 5.0  # s without an answer of the server; it may be at another address then
 
 HELP = f"""\
 A bot's name is {PREFIX} and a number; if it is taken, the bot tries the next one. It is ready while a person is ready.
@@ -36,41 +41,65 @@ class SignedOutError(Exception):
     """The server no longer knows this player."""
 
 
+def fights(status: Status, me: Player) -> bool:
+    """Whether this player may drive in a battle now."""
+    return status.game == Game.PLAYING and not status.paused and me.ready and me.life > 0
+
+
 def wants_ready(status: Status) -> bool:
     """Whether a bot is ready to play: while a person is."""
     return any(player.ready and not is_bot(player.name) for player in status.players)
 
 
 class Bot:
-    """Signs up and plays; whatever it loses, it starts again."""
+    """Signs up and plays at a master's; whatever it loses there, it starts again."""
 
-    def __init__(self, http: aiohttp.ClientSession, settings: Settings) -> None:
+    def __init__(self, http: aiohttp.ClientSession, settings: Settings, place: Place) -> None:
         self._http = http
         self._settings = settings
-        self._web = Web(http, settings.web_url)
-        self._eyes = Eyes(http, settings.view_url)
+        self._place = place
+        self._web = Web(http, settings.web_url(place))
+        self._eyes = Eyes(http, settings.view_url(place))
         self._name = ""
         self._told = ""
         self._arena: Arena | None = None
         self._mind: Mind | None = None
 
-    async def run(self) -> None:
-        """Play until cancelled; then sign out."""
+    async def run(self) -> Place:
+        """Play until cancelled, or until the arena has moved: returns where to; sign out in any case."""
         try:
-            async with asyncio.TaskGroup() as tasks:
-                tasks.create_task(self._eyes.watch())
-                tasks.create_task(self._play_for_ever())
+            return await first_of(self._eyes.watch(), self._play_for_ever(), self._look_out())
         finally:
             await self._say_goodbye()
 
-    async def _play_for_ever(self) -> None:
+    async def _look_out(self) -> Place:
+        """Where the arena is, once it has moved. A place that somebody has given is kept."""
+        while True:
+            await asyncio.sleep(RETRY)
+            if self._place.arena and self._web.silence >= GONE_AFTER:
+                _log.info("the server is gone: looking for arena %r at another address", self._place.arena)
+                place = await self._look_while_gone()
+                if place:
+                    return place
+
+    async def _look_while_gone(self) -> Place | None:
+        search = asyncio.ensure_future(find_again(self._place.arena, self._place))
+        try:
+            while self._web.silence >= GONE_AFTER:
+                if search.done():
+                    return search.result()
+                await asyncio.sleep(TICK)
+        finally:
+            search.cancel()
+            await asyncio.gather(search, return_exceptions=True)
+        return None
+
+    async def _play_for_ever(self) -> NoReturn:
         while True:
             robot = await self._sign_up()
             try:
-                async with asyncio.TaskGroup() as tasks:
-                    tasks.create_task(self._stay_signed_in())
-                    tasks.create_task(self._use_rosbridge(robot))
-            except* SignedOutError:
+                await first_of(self._stay_signed_in(), self._use_rosbridge(robot))
+            except SignedOutError:
                 self._tell(f"{self._name} is signed out (the robot or the server was lost); signing up again")
                 self._name = ""
 
@@ -112,18 +141,16 @@ class Bot:
 
     async def _use_rosbridge(self, robot: int) -> None:
         """Play through rosbridge for ever, also when it is restarted."""
-        url = self._settings.rosbridge_url
+        url = self._settings.rosbridge_url(self._place)
         while True:
             try:
-                async with self._http.ws_connect(url, heartbeat=5) as socket, asyncio.TaskGroup() as tasks:
+                async with self._http.ws_connect(url, heartbeat=5) as socket:
                     rosbridge = Rosbridge(socket, robot)
                     await rosbridge.start()
                     self._tell(f"connected to rosbridge at {url}")
-                    playing = tasks.create_task(self._play(rosbridge, robot))
-                    await rosbridge.follow()
-                    playing.cancel()
+                    await first_of(self._play(rosbridge, robot), rosbridge.follow())
                 self._tell("rosbridge has closed the connection; connecting again")
-            except* (aiohttp.ClientError, TimeoutError, OSError):
+            except (aiohttp.ClientError, TimeoutError, OSError):
                 self._tell(f"no rosbridge at {url}; waiting")
             await asyncio.sleep(RETRY)
 
@@ -134,7 +161,7 @@ class Bot:
         while True:
             status = rosbridge.status
             me = next((player for player in status.players if player.name == self._name), None) if status else None
-            if status and me and status.game == Game.PLAYING and me.ready and me.life > 0:
+            if status and me and fights(status, me):
                 opponents = {p.robot for p in status.players if p.ready and p.life > 0 and p is not me}
                 await rosbridge.command(self._decide(loop.time(), robot, opponents))
             else:  # rosbridge itself stops a robot whose driver may no longer drive
@@ -179,13 +206,34 @@ class Bot:
         self._told = text
 
 
+async def play(http: aiohttp.ClientSession, settings: Settings) -> None:
+    """Find the master and play there, until cancelled."""
+    place = settings.place or await find_master(settings.arena)
+    while True:
+        _log.info("%s", place)
+        place = await Bot(http, settings, place).run()
+
+
+async def find_master(arena: str) -> Place:
+    """Look until there is one, in the environment's ways."""
+    told = ""
+    while True:
+        try:
+            return await locate(os.environ, arena)
+        except NoArenaError as error:
+            if str(error) != told:
+                _log.warning("%s; waiting", error)
+            told = str(error)
+        await asyncio.sleep(RETRY)
+
+
 async def run(settings: Settings) -> None:
     """Play until SIGINT or SIGTERM."""
     jar = aiohttp.CookieJar(unsafe=True)  # unsafe: also keeps cookies of hosts that are given as IP addresses
     end = signalled()
     http = aiohttp.ClientSession(cookie_jar=jar, timeout=aiohttp.ClientTimeout(total=3))
     async with http, asyncio.TaskGroup() as tasks:
-        playing = tasks.create_task(Bot(http, settings).run())
+        playing = tasks.create_task(play(http, settings))
         await live_until(end)
         playing.cancel()
 
@@ -197,9 +245,9 @@ def main() -> int:
     )
     parser.add_argument("--name", default=f"{PREFIX}1", help="the player's name (default %(default)s)")
     parser.add_argument("--robot", metavar="ID", help="drive this robot (default: the first that is free)")
-    parser.add_argument("--master", help="host of the web server (default: LASERBOT_MASTER)")
+    parser.add_argument("--master", help="host of the web server (default: LASERBOT_MASTER, else it is looked for)")
     parser.add_argument("--rosbridge", metavar="HOST:PORT", help="rosbridge (default: on the master)")
-    parser.add_argument("--arena", metavar="HOST:PORT", help="the arena's page (default: on the master)")
+    parser.add_argument("--arena", metavar="HOST:PORT", help="the arena's page (default: on the master's host)")
     arguments = parser.parse_args()
     settings = read_or_exit("bot", lambda env: Settings.read(env, **vars(arguments)))
     configure_logging(settings.log_level)

@@ -5,7 +5,7 @@ import json
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NoReturn
 
 import aiohttp
 
@@ -39,6 +39,7 @@ class Status:
 
     game: int
     players: tuple[Player, ...]
+    paused: bool = False
 
     @classmethod
     def from_message(cls, message: Mapping[str, Any]) -> "Status":
@@ -47,7 +48,7 @@ class Status:
             Player(str(user["name"]), int(user["robot"]), int(user["life"]), bool(user["ready"]))
             for user in message["users"]
         )
-        return cls(int(message["game"]), players)
+        return cls(int(message["game"]), players, bool(message["paused"]))
 
 
 class Web:
@@ -56,6 +57,12 @@ class Web:
     def __init__(self, http: aiohttp.ClientSession, url: str) -> None:
         self._http = http
         self._url = url
+        self._answered_at = asyncio.get_running_loop().time()
+
+    @property
+    def silence(self) -> float:
+        """For how many s the server has not answered."""
+        return asyncio.get_running_loop().time() - self._answered_at
 
     async def sign_up(self, name: str, robot: int | None) -> dict[str, Any]:
         """As `name`, with a wish for that robot or (None) any."""
@@ -84,6 +91,7 @@ class Web:
             raise GameError(f"no game server at {self._url}: {error or type(error).__name__}") from None
         if not isinstance(answer, dict):
             raise GameError(f"{call}: the server's answer is not a JSON object")
+        self._answered_at = asyncio.get_running_loop().time()
         return answer
 
 
@@ -148,7 +156,7 @@ class Eyes:
         late = asyncio.get_running_loop().time() - self._seen_at
         return self._robots if late < BLIND_AFTER else {}
 
-    async def watch(self) -> None:
+    async def watch(self) -> NoReturn:
         """For ever, through restarts of the arena."""
         told = False
         while True:

@@ -5,10 +5,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from laser_bot_battle.names import ROBOT_IDS
+from laser_bot_battle.place import Place
 from laser_bot_battle.settings import SettingsError
-from laser_bot_battle.variables import ALIVE_FILE, ARENA, LOG_LEVEL, MASTER, ROSBRIDGE, WEB
+from laser_bot_battle.variables import (
+    ALIVE_FILE,
+    ARENA,
+    ARENA_NAME,
+    LOG_LEVEL,
+    MASTER,
+    ROS_MASTER_URI,
+    ROSBRIDGE,
+    WEB,
+)
 
-VARIABLES = (MASTER, WEB, ROSBRIDGE, ARENA, LOG_LEVEL, ALIVE_FILE)
+VARIABLES = (ARENA_NAME, MASTER, WEB, ROSBRIDGE, ROS_MASTER_URI, ARENA, LOG_LEVEL, ALIVE_FILE)
 PREFIX = "Bot"  # a bot is called this and a number; players with other names are people
 _NAME = re.compile(PREFIX + r"[0-9]{1,13}")  # at most 16 letters, like every player's
 
@@ -19,9 +29,12 @@ class Settings:
 
     name: str
     robot: int | None  # the ID of the robot to drive, None for any
-    web_url: str
-    rosbridge_url: str
-    view_url: str
+    place: Place | None  # of the master; None if the bot is to find it
+    arena: str  # the name of the one to join, "" for the only one
+    rosbridge: str | None  # "host:port", if it is not where the master says
+    view: str | None  # the arena's page, if it is not on the master's host
+    rosbridge_port: int  # unless the master announces another
+    view_port: int
     log_level: str
 
     @classmethod
@@ -35,25 +48,37 @@ class Settings:
         arena: str | None = None,
         robot: str | None = None,
     ) -> "Settings":
-        """`rosbridge` and `arena` are "host:port", or on the master. SettingsError for an impossible value."""
+        """`rosbridge` and `arena` (its page) are "host:port", or the master's. SettingsError for a wrong value."""
         if not is_bot(name):
             raise SettingsError(f"--name {name}: must be {PREFIX} and a number of up to 13 digits")
         if robot is not None and robot not in map(str, ROBOT_IDS):
             raise SettingsError(f"--robot {robot}: must be the ID of a robot, 0 to {max(ROBOT_IDS)}")
-        host = master or MASTER.read(env)
-        rosbridge = _place("--rosbridge", rosbridge) if rosbridge else f"{host}:{ROSBRIDGE.read(env)}"
-        arena = _place("--arena", arena) if arena else f"{host}:{ARENA.read(env)}"
+        rosbridge = _host_and_port("--rosbridge", rosbridge) if rosbridge else None
+        if not master and not MASTER.read(env) and rosbridge:
+            master = rosbridge.rpartition(":")[0]
         return cls(
             name=name,
             robot=None if robot is None else int(robot),
-            web_url=f"http://{host}:{WEB.read(env)}",
-            rosbridge_url=f"ws://{rosbridge}",
-            view_url=f"ws://{arena}/view",
+            place=Place.at(master, env, "as the command line says") if master else Place.given(env),
+            arena=ARENA_NAME.read(env),
+            rosbridge=rosbridge,
+            view=_host_and_port("--arena", arena) if arena else None,
+            rosbridge_port=ROSBRIDGE.read(env),
+            view_port=ARENA.read(env),
             log_level=LOG_LEVEL.read(env),
         )
 
+    def web_url(self, place: Place) -> str:
+        return f"http://{place.host}:{place.web}"
 
-def _place(option: str, text: str) -> str:
+    def rosbridge_url(self, place: Place) -> str:
+        return f"ws://{self.rosbridge or f'{place.host}:{place.rosbridge or self.rosbridge_port}'}"
+
+    def view_url(self, place: Place) -> str:
+        return f"ws://{self.view or f'{place.host}:{self.view_port}'}/view"
+
+
+def _host_and_port(option: str, text: str) -> str:
     """`text` itself, which must be host:port."""
     host, _, port = text.rpartition(":")
     if not host:

@@ -8,6 +8,7 @@ nothing is left behind.
 import argparse
 import ctypes
 import http.client
+import io
 import json
 import os
 import shutil
@@ -19,8 +20,11 @@ from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
 
+import segno
+
+from laser_bot_battle.addresses import reachable_addresses
 from laser_bot_battle.settings import Variable, describe, read_or_exit
-from laser_bot_battle.variables import ARENA, BIND, DATA, ROS, ROSBRIDGE, ROSTER, WEB
+from laser_bot_battle.variables import ARENA, BIND, DATA, OPERATOR_TOKEN, ROS, ROSBRIDGE, ROSTER, WEB
 from sim.arena.world import MAX_ROBOTS
 from sim.demo_settings import HOST, VARIABLES, Settings
 
@@ -58,19 +62,19 @@ class Demo:
 
     def __init__(self, robots: int, bots: int, settings: Settings, folder: Path) -> None:
         """`folder` is empty."""
-        self.robots, self.bots, self.ports = robots, bots, settings.ports
+        self.robots, self.bots, self.bind, self.ports = robots, bots, settings.bind, settings.ports
         for number in range(robots):
             (folder / f"virtual{number}").mkdir()
         self.environment = {
             **os.environ,
             BIND.name: settings.bind,
+            **({OPERATOR_TOKEN.name: settings.new_token} if settings.new_token else {}),
             **{variable: str(port) for variable, port in settings.ports.items()},
             DATA.name: str(folder / "data"),
             # the number painted on each virtual robot is its ID
             ROSTER.name: " ".join(f"virtual{number}={number}" for number in range(robots)),
             "PATH": f"{ROOT / '.venv' / 'bin'}:{os.environ.get('PATH', os.defpath)}",
-            "ROS_PACKAGE_PATH": str(ROOT),
-            "ROS_IP": HOST,
+            "ROS_PACKAGE_PATH": str(ROOT / "laser_bot_battle"),  # roslaunch searches all that is below
             "ROS_MASTER_URI": f"http://{HOST}:{settings.ports[ROS.name]}",
             "ROS_HOME": str(folder / "ros"),
             "ROS_LOG_DIR": str(folder / "ros" / "log"),
@@ -89,12 +93,12 @@ class Demo:
             f"run_dir:={folder}",
         )
 
-    def start(self, program: str, *arguments: str) -> subprocess.Popen[bytes]:
-        """A program of ROS, which writes into our log."""
+    def start(self, program: str, *arguments: str, ros_ip: str = HOST) -> subprocess.Popen[bytes]:
+        """A program of ROS, which writes into our log. It listens on this machine only if `ros_ip` is loopback."""
         with self.log.open("ab") as log:
             return subprocess.Popen(
                 ["/usr/bin/python3", f"/usr/bin/{program}", *arguments],
-                env=self.environment,
+                env={**self.environment, "ROS_IP": ros_ip},
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -104,7 +108,7 @@ class Demo:
             )
 
     def start_master(self) -> subprocess.Popen[bytes]:
-        return self.start("rosmaster", "--core", "-p", str(self.ports[ROS.name]))
+        return self.start("rosmaster", "--core", "-p", str(self.ports[ROS.name]), ros_ip=self.bind)
 
     def supervise(self) -> None:
         """Start the master again if it has ended; the nodes find it. Raises DemoError when roslaunch has ended."""
@@ -219,6 +223,25 @@ def who_can_play(people: int) -> str:
     return f"{people} people can play, each in another browser or a private window."
 
 
+def desk(settings: Settings) -> str:
+    """Where operators lead the evening, and by which token."""
+    token = f"token {settings.new_token}" if settings.new_token else "with your token"
+    return f"http://localhost:{settings.ports[WEB.name]}/operator   the operator's desk, {token}"
+
+
+def from_the_network(settings: Settings) -> str:
+    """Where other computers and phones find the game, if they are to; a terminal shows a code for phones, too."""
+    pages = [f"http://{address.ip}:{settings.ports[WEB.name]}" for address in reachable_addresses(settings.bind)]
+    if not pages:
+        return ""
+    text = f"In this network the game is at\n  {'   '.join(pages)}\n"
+    if not sys.stdout.isatty():
+        return text
+    code = io.StringIO()
+    segno.make(pages[0]).terminal(code, compact=True, border=2)
+    return text + code.getvalue()
+
+
 def count(text: str) -> int:
     if not (text.isascii() and text.isdigit() and int(text) <= MAX_ROBOTS):
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 to {MAX_ROBOTS}")
@@ -257,6 +280,8 @@ def main() -> int:
             f"\nReady. Open\n"
             f"  http://localhost:{settings.ports[WEB.name]}   the game\n"
             f"  http://localhost:{settings.ports[ARENA.name]}   the arena seen from above\n"
+            f"  {desk(settings)}\n"
+            f"{from_the_network(settings)}"
             f"{who_can_play(options.robots - options.bots)}\n"
             f"Ctrl-C stops everything. The log: {demo.log}"
         )

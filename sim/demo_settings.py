@@ -1,12 +1,23 @@
 """The demo's settings: the address and the ports of its parts. All other variables are for the parts themselves."""
 
+import secrets
 import socket
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from laser_bot_battle.settings import SettingsError, Variable
-from laser_bot_battle.variables import ARENA, ARENA_LINK, BIND, LASERBOT, ROS, ROSBRIDGE, WEB
+from laser_bot_battle.variables import (
+    ARENA,
+    ARENA_LINK,
+    BIND,
+    LASERBOT,
+    OPERATOR_TOKEN,
+    OPERATOR_TOKEN_FILE,
+    ROS,
+    ROSBRIDGE,
+    WEB,
+)
 
 HOST = "127.0.0.1"  # where the parts meet
 PORTS = {
@@ -16,15 +27,16 @@ PORTS = {
     ARENA: "the arena's view",
     ARENA_LINK: "the robots' link to the arena",
 }
-VARIABLES: tuple[Variable[Any], ...] = (BIND, *PORTS)
+VARIABLES: tuple[Variable[Any], ...] = (BIND, *PORTS, OPERATOR_TOKEN, OPERATOR_TOKEN_FILE)
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the parts listen: the address, and the port of each by its variable's name."""
+    """Where the parts listen: the address, and the port of each by its variable's name; and who is an operator."""
 
     bind: str
     ports: Mapping[str, int]
+    new_token: str = ""  # of the operators; "": the environment has one
 
     @classmethod
     def from_env(cls, env: Mapping[str, str]) -> "Settings":
@@ -43,7 +55,8 @@ class Settings:
             ports[variable.name] = port
         for variable, what in PORTS.items():
             _check_free(bind, ports[variable.name], variable.name, what)
-        return cls(bind, ports)
+        has_token = OPERATOR_TOKEN.read(env) or OPERATOR_TOKEN_FILE.read(env)
+        return cls(bind, ports, "" if has_token else secrets.token_urlsafe(9))
 
 
 def _check_free(bind: str, port: int, variable: str, what: str) -> None:

@@ -3,10 +3,17 @@
 import pytest
 
 from laser_bot_battle.msg import GameStatus
+from laser_bot_battle.place import Place
 from laser_bot_battle.settings import SettingsError
-from sim.bot import wants_ready
+from sim.bot import fights, wants_ready
 from sim.bot_game import Player, Status
 from sim.bot_settings import Settings, following
+
+
+def urls(settings: Settings) -> tuple[str, str, str]:
+    assert settings.place
+    place = settings.place
+    return settings.web_url(place), settings.rosbridge_url(place), settings.view_url(place)
 
 
 def status(game: int, **ready: bool) -> Status:
@@ -27,8 +34,14 @@ def test_it_is_not_ready_without_a_ready_human(players: dict[str, bool]) -> None
 
 def test_a_status_is_read_from_rosbridge() -> None:
     user = {"name": "Ann", "robot": 3, "life": 90, "ready": True, "avatar": 0, "place": 0, "left": False, "session": ""}
-    message = {"game": GameStatus.PLAYING, "users": [user], "result": []}
-    assert Status.from_message(message) == Status(GameStatus.PLAYING, (Player("Ann", 3, 90, True),))
+    message = {"game": GameStatus.PLAYING, "paused": True, "users": [user], "result": []}
+    assert Status.from_message(message) == Status(GameStatus.PLAYING, (Player("Ann", 3, 90, True),), paused=True)
+
+
+def test_it_does_not_drive_in_a_pause() -> None:
+    me = Player("Bot1", 0, 100, True)
+    assert fights(Status(GameStatus.PLAYING, (me,)), me)
+    assert not fights(Status(GameStatus.PLAYING, (me,), paused=True), me)
 
 
 def test_taken_names_are_counted_on() -> None:
@@ -37,16 +50,27 @@ def test_taken_names_are_counted_on() -> None:
 
 def test_everything_is_on_the_master_by_default() -> None:
     settings = Settings.read({"LASERBOT_MASTER": "10.0.0.5", "LASERBOT_ARENA_PORT": "8090"})
-    assert settings.web_url == "http://10.0.0.5:5000"
-    assert settings.rosbridge_url == "ws://10.0.0.5:9090"
-    assert settings.view_url == "ws://10.0.0.5:8090/view"
+    assert urls(settings) == ("http://10.0.0.5:5000", "ws://10.0.0.5:9090", "ws://10.0.0.5:8090/view")
 
 
 def test_rosbridge_and_the_arena_may_be_elsewhere() -> None:
     settings = Settings.read({}, master="master", rosbridge="bridge:80", arena="other:81")
-    assert settings.web_url == "http://master:5000"
-    assert settings.rosbridge_url == "ws://bridge:80"
-    assert settings.view_url == "ws://other:81/view"
+    assert urls(settings) == ("http://master:5000", "ws://bridge:80", "ws://other:81/view")
+
+
+def test_without_another_word_the_master_is_where_rosbridge_is() -> None:
+    assert urls(Settings.read({}, rosbridge="bridge:80"))[0] == "http://bridge:5000"
+    assert urls(Settings.read({"LASERBOT_MASTER": "master"}, rosbridge="bridge:80"))[0] == "http://master:5000"
+
+
+def test_a_bot_that_is_told_nothing_finds_the_master() -> None:
+    settings = Settings.read({"LASERBOT_ARENA": "hall"})
+    assert settings.place is None
+    assert settings.arena == "hall"
+    found = Place("10.0.0.9", 5001, "http://10.0.0.9:11311", "hall", rosbridge=9091)
+    assert settings.web_url(found) == "http://10.0.0.9:5001"
+    assert settings.rosbridge_url(found) == "ws://10.0.0.9:9091"
+    assert settings.view_url(found) == "ws://10.0.0.9:8080/view"
 
 
 @pytest.mark.parametrize(
