@@ -1,9 +1,11 @@
 """A deployed fleet: its hosts over SSH, and the battle that is played on it."""
 
+import asyncio
 import base64
 import contextlib
 import functools
 import json
+import os
 import socket
 import time
 from collections.abc import Callable, Iterable
@@ -14,7 +16,12 @@ from typing import Any
 import testinfra
 from testinfra.host import Host
 
-SERVICES = {"master": ["laserbot-rosmaster", "laserbot-rosbridge", "laserbot-web"], "robots": ["laserbot-robot"]}
+from laser_bot_battle import search, variables
+
+SERVICES = {
+    "master": ["laserbot-rosmaster", "laserbot-rosbridge", "laserbot-web", "laserbot-announcer"],
+    "robots": ["laserbot-robot"],
+}
 
 
 @dataclass(frozen=True)
@@ -28,6 +35,7 @@ class Machine:
     ssh: str  # options of ssh: the key, where host keys are kept
     serial: str = "/dev/laserbot"
     platform: str = ""  # the image's, where it is not the host's own
+    arena: str = "laser-bot-master"  # the name by which the master announces itself
     open_ports: tuple[int, ...] = ()  # that the operator has opened besides the game's
     checked: bool = True  # whether the operator asks for checks of it
 
@@ -72,13 +80,14 @@ class Fleet:
 
     @classmethod
     def read(cls, file: Path, sockets: Path) -> "Fleet":
-        """The fleet that ansible/check.yml has written down; addresses may be names that this machine knows.
+        """The fleet that ansible/check.yml has written down.
 
         All commands to a host share one connection; ssh keeps its socket in the folder `sockets`.
         """
         hosts = json.loads(file.read_text())
-        for host in hosts.values():
-            host["address"] = resolved(host["address"])
+        for name, host in hosts.items():
+            given = host["address"] or (master_address(host["arena"]) if host["group"] == "master" else "")
+            host["address"] = resolved(given or f"{name}.local")
             host["ssh"] += f" -o ControlPath={sockets}/%C"
         return cls(Machine(name, **host) for name, host in hosts.items())
 
@@ -89,6 +98,26 @@ class Fleet:
     @property
     def bridge(self) -> str:
         return f"ws://{self.master.address}:9090"
+
+
+def master_address(arena: str) -> str:
+    """Of a master whose address is not in the inventory: LASERBOT_MASTER, else where that arena announces itself, else
+    ""."""
+    given = variables.MASTER.read(os.environ)
+    if given:
+        return given
+    with contextlib.suppress(OSError):  # there is no network, or no multicast; TimeoutError is one
+        return asyncio.run(_announced_address(arena))
+    return ""
+
+
+async def _announced_address(arena: str) -> str:
+    """The firewall keeps this machine from the ROS master: whether that answers does not count."""
+    async with search.searching(arena) as heard, asyncio.timeout(search.LISTEN):
+        while not (claims := heard.named(arena)):
+            await heard.news.wait()
+            heard.news.clear()
+        return claims[-1].addresses[0]
 
 
 def resolved(name: str) -> str:

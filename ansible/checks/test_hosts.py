@@ -4,6 +4,8 @@ import re
 import shlex
 import subprocess
 
+import pytest
+
 from fleet import Fleet, Machine, until
 
 SECRETS_OF_ALL = ("/root/.docker/config.json",)
@@ -48,10 +50,19 @@ def test_names_are_not_waited_for(fleet: Fleet, machine: Machine) -> None:
 def test_the_game_is_announced(fleet: Fleet, machine: Machine) -> None:
     def found() -> bool:
         lines = machine.run("avahi-browse --resolve --parsable --terminate _laserbot._tcp").splitlines()
-        resolved = [line.split(";") for line in lines if line.startswith("=")]
-        return any(line[7:9] == [fleet.master.address, "5000"] for line in resolved)
+        resolved = [line.split(";", 9) for line in lines if line.startswith("=")]
+        texts = [line[9] for line in resolved if line[7:9] == [fleet.master.address, "5000"]]
+        return any('"rosbridge=9090"' in text and '"ros=11311"' in text for text in texts)
 
     until(found, 15, "_laserbot._tcp of the master")
+
+
+def test_a_robot_finds_the_master_by_its_arenas_name(fleet: Fleet, robot: Machine) -> None:
+    if any(setting.startswith("LASERBOT_MASTER=") for setting in robot.container("laserbot-robot")["Config"]["Env"]):
+        pytest.skip("it was told where the master is")
+    found = robot.run("docker exec laserbot-robot python3 -m robot.find").splitlines()
+    assert any(fleet.master.arena in line for line in found), found
+    assert any(fleet.master.address in line for line in found), found
 
 
 def test_the_clocks_agree(fleet: Fleet, machine: Machine) -> None:

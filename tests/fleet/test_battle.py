@@ -11,6 +11,9 @@ def test_two_players_with_roslib_play_a_battle_to_its_end(rehearsal: Rehearsal) 
     rehearsal.wait_until_complete()
     with RoslibPlayer(rehearsal, "Ann") as ann, RoslibPlayer(rehearsal, "Bob") as bob, Eyes(rehearsal) as eyes:
         assert {ann.robot, bob.robot} <= {1, 2, 3}, "a robot's ID is its number"
+        assert ann.robot == 1, "the one that finds the master by itself"
+        told = rehearsal.machines["raspberrypi1"].container("laserbot-robot")["Config"]["Env"]
+        assert not [setting for setting in told if setting.startswith(("LASERBOT_MASTER=", "ROS_MASTER_URI="))]
         start(ann, bob)
         assert shoot_to_the_end(ann, bob, eyes) == [100, 60, 20, 0]
         result = [(entry["place"], entry["name"], entry["life"]) for entry in until(lambda: bob.look()["result"])]

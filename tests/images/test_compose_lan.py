@@ -1,84 +1,165 @@
-"""The profiles master and robot of compose.yaml on one host: a robot with an Arduino on a serial device joins."""
+"""The profiles master and robot of compose.yaml, each on a machine of its own: a battle without any typed address.
+
+A machine is a container that only holds the network and the host name; what compose would start on the host's network
+starts on that one.
+"""
 
 import json
 import os
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Self
 
 import pytest
 import requests
+import yaml
 
 from tests.support import avr
+from tests.support.containers import docker
+from tests.support.play import shoot_to_the_end, start
+from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(
-        os.environ.get("IMAGES_ENGINE") == "running",
-        reason="these services use the host's network: a private engine's only",
-    ),
-]
+pytestmark = pytest.mark.slow
 
 AVAHI = Path("/run/avahi-daemon")
+SERVICES = yaml.safe_load((ROOT / "compose.yaml").read_text())["services"]
+ADDRESSES = {"LASERBOT_MASTER", "ROS_MASTER_URI", "ROS_IP", "ROS_HOSTNAME"}
 
 
-@pytest.fixture
-def serial_device(tmp_path: Path) -> Iterator[str]:
-    """A virtual Arduino's device, which the group of serial devices may open (as udev would have it)."""
-    avr.build()
-    link = tmp_path / "arduino"
-    words = ["--firmware", str(avr.FIRMWARE), "--name", "virtual1", "--serial", str(link)]
-    program = Program([str(avr.AVR_ROBOT), *words])
-    try:
-        program.wait_for("UART at")
-        device = os.readlink(link)
-        os.chown(device, -1, 20)  # dialout, in every Debian
-        os.chmod(device, 0o660)
-        yield device
-    finally:
-        program.stop()
+class Machine:
+    """Runs `docker compose --profile PROFILE up` with these settings; a context manager that ends it."""
 
+    def __init__(self, name: str, network: str, profile: str, folder: Path, version: str, **settings: str) -> None:
+        self._holder = docker(
+            "run", "--detach", f"--hostname={name}", f"--network={network}", f"webserver:{version}", "sleep", "infinity"
+        ).strip()
+        self.address = docker(
+            "inspect", "--format", "{{range .NetworkSettings.Networks}}{{.IPAddress}}{{end}}", self._holder
+        ).strip()
+        hosts = {
+            service: {"network_mode": f"container:{self._holder}"}
+            for service, description in SERVICES.items()
+            if description["profiles"] == [profile]
+        }
+        assert all(SERVICES[service]["network_mode"] == "host" for service in hosts)
+        override = folder / f"{name}.yaml"
+        override.write_text(json.dumps({"services": hosts}))  # JSON is YAML
+        self._services = set(hosts)
+        self._options = ["--env-file=/dev/null", f"--project-name=laserbot-{name}-{os.getpid()}"]
+        self._options += [f"--profile={profile}", "--file", str(ROOT / "compose.yaml"), "--file", str(override)]
+        outside = {name: value for name, value in os.environ.items() if name not in ADDRESSES}
+        self._environment: Mapping[str, str] = {**outside, "LASERBOT_VERSION": version, **settings}
 
-def test_a_robot_on_a_serial_device_joins_the_master(version: str, serial_device: str) -> None:
-    had_avahi = AVAHI.exists()
-    web_port = free_port()
-    environment = {
-        **os.environ,
-        "LASERBOT_VERSION": version,
-        "LASERBOT_WEB_PORT": str(web_port),
-        "LASERBOT_ROSBRIDGE_PORT": str(free_port()),
-        "LASERBOT_ROSTER": "raspberrypi5=5",
-        "LASERBOT_MASTER": "127.0.0.1",
-        "LASERBOT_ROBOT_NAME": "raspberrypi5",
-        "LASERBOT_SERIAL": f"/host/dev/ttyACM0 /host{serial_device}",
-        "ROS_IP": "127.0.0.1",
-    }
-
-    def compose(*words: str) -> str:
-        command = ["docker", "compose", "--env-file=/dev/null", f"--project-directory={ROOT}"]
-        command += [f"--project-name=laserbot-lan-{os.getpid()}", "--profile=master", "--profile=robot", *words]
-        result = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    def compose(self, *words: str) -> str:
+        command = ["docker", "compose", *self._options, *words]
+        result = subprocess.run(command, env=self._environment, capture_output=True, text=True, check=False)
         assert result.returncode == 0, f"{' '.join(command)}: {result.stdout}{result.stderr}"
         return result.stdout
 
-    def healthy() -> bool:
-        rows = [json.loads(line) for line in compose("ps", "--all", "--format", "json").splitlines()]
-        return {row["Service"]: row["Health"] for row in rows} == dict.fromkeys(
-            ("ros-master", "rosbridge", "web", "robot"), "healthy"
-        )
+    def wait_until_healthy(self) -> None:
+        def healthy() -> bool:
+            rows = [json.loads(line) for line in self.compose("ps", "--all", "--format", "json").splitlines()]
+            return {row["Service"]: row["Health"] for row in rows} == dict.fromkeys(self._services, "healthy")
 
-    try:
-        compose("up", "--detach", "--pull=never")
         try:
-            until(healthy, 90, "all four services are healthy")
+            until(healthy, 90, f"{self._services} are healthy")
         except AssertionError as error:
-            raise AssertionError(f"{error}\n{compose('logs')}") from None
-        reply = requests.post(f"http://127.0.0.1:{web_port}/signUpUser", data={"data": "Ann"}, timeout=5)
-        assert json.loads(reply.text)["robot"] == 5
-    finally:
-        compose("down", "--volumes", "--timeout", "5")
-        if not had_avahi:  # the engine has made the empty folder
-            AVAHI.rmdir()
+            raise AssertionError(f"{error}\n{self.compose('logs')}") from None
+
+    def __enter__(self) -> Self:
+        try:
+            self.compose("up", "--detach", "--pull=never")
+        except AssertionError:
+            self.__exit__()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.compose("down", "--volumes", "--timeout", "5")
+        docker("rm", "--force", "--volumes", self._holder)
+
+
+class Battle:
+    """The master's machine, seen from the network, and the arena that the Arduinos are in."""
+
+    def __init__(self, master: Machine, arena_port: int) -> None:
+        self.web = f"http://{master.address}:5000"
+        self.bridge = f"ws://{master.address}:9090"
+        self.view = f"ws://127.0.0.1:{arena_port}/view"
+
+
+@pytest.fixture
+def network(version: str) -> Iterator[str]:
+    """One that passes multicast, as an engine's internal network does not."""
+    name = f"laserbot-lan-{os.getpid()}"
+    docker("network", "create", name)
+    yield name
+    docker("network", "rm", name)
+
+
+@pytest.fixture
+def avahi_folder() -> Iterator[None]:
+    """The engine makes the folder where there is none."""
+    had_avahi = AVAHI.exists()
+    yield
+    if not had_avahi:
+        AVAHI.rmdir()
+
+
+@pytest.fixture
+def arena() -> Iterator[tuple[int, int]]:
+    """The ports of its view and of the Arduinos' link."""
+    view, link = free_port(), free_port()
+    ports = {"LASERBOT_ARENA_PORT": str(view), "LASERBOT_ARENA_LINK_PORT": str(link)}
+    program = Program.python("sim.arena", env={"LASERBOT_BIND": "127.0.0.1", **ports})
+    yield view, link
+    program.stop()
+
+
+@pytest.fixture
+def serial_devices(arena: tuple[int, int], tmp_path: Path) -> Iterator[list[str]]:
+    """Two virtual Arduinos' devices, which the group of serial devices may open (as udev would have it)."""
+    avr.build()
+    with ExitStack() as stack:
+        devices = []
+        for number in (1, 2):
+            link = tmp_path / f"arduino{number}"
+            words = ["--firmware", str(avr.FIRMWARE), "--name", f"raspberrypi{number}", "--serial", str(link)]
+            program = Program([str(avr.AVR_ROBOT), *words, "--arena", f"127.0.0.1:{arena[1]}"])
+            stack.callback(program.stop)
+            program.wait_for("UART at")
+            device = os.readlink(link)
+            os.chown(device, -1, 20)  # dialout, in every Debian
+            os.chmod(device, 0o660)
+            devices.append(device)
+        yield devices
+
+
+@pytest.mark.usefixtures("avahi_folder")
+def test_robots_find_the_master_and_a_battle_is_played(
+    version: str, network: str, arena: tuple[int, int], serial_devices: list[str], tmp_path: Path
+) -> None:
+    rules = {"LASERBOT_HIT_DAMAGE": "40", "LASERBOT_COUNTDOWN": "1", "LASERBOT_ROSTER": "raspberrypi1=1 raspberrypi2=2"}
+    with ExitStack() as stack:
+        robots = []
+        for number, device in enumerate(serial_devices, 1):
+            name = f"raspberrypi{number}"
+            settings = {"LASERBOT_ROBOT_NAME": name, "LASERBOT_SERIAL": f"/host/dev/ttyACM0 /host{device}"}
+            robots.append(stack.enter_context(Machine(name, network, "robot", tmp_path, version, **settings)))
+        until(lambda: all("no arena announces itself" in robot.compose("logs") for robot in robots), 60, "robots look")
+        master = stack.enter_context(Machine("hall", network, "master", tmp_path, version, **rules))
+        for machine in (master, *robots):
+            machine.wait_until_healthy()
+        assert all("'hall'" in robot.compose("logs") for robot in robots), "an arena has its master's host name"
+        battle = Battle(master, arena[0])
+        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"]
+        assert free == 2
+        with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob, Eyes(battle) as eyes:
+            assert (ann.robot, bob.robot) == (1, 2)
+            start(ann, bob)
+            assert shoot_to_the_end(ann, bob, eyes) == [100, 60, 20, 0]

@@ -35,7 +35,8 @@ class Programs:
         master = self.start("webserver", platform, "master", "rosmaster", "--core", "-p", "11311")
         web = self.start("webserver", platform, "web", LASERBOT_DATA="/run/laserbot")
         bridge = self.start("webserver", platform, "rosbridge", "python3", "-m", "server.rosbridge")
-        return [master, web, bridge]
+        announcer = self.start("webserver", platform, "announcer", "python3", "-m", "server.announcer")
+        return [master, web, bridge, announcer]
 
 
 @pytest.fixture
@@ -54,12 +55,12 @@ def check_end(container: Container, platform: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("platform", MASTER_PLATFORMS)
-def test_the_masters_three_services_become_healthy_and_end_quickly(
+def test_the_masters_services_become_healthy_and_end_quickly(
     programs: Programs, platform: str, figures: list[str]
 ) -> None:
     containers = programs.start_master(platform)
     took = [container.wait_until_healthy() for container in containers]
-    figures.append(f"webserver {platform}: ROS master, web server, rosbridge healthy after {max(took):.1f} s")
+    figures.append(f"webserver {platform}: the master's services healthy after {max(took):.1f} s")
     for container in reversed(containers):
         check_end(container, platform)
 
@@ -82,7 +83,7 @@ def test_a_ros_master_whose_port_another_one_has_is_not_healthy(version: str) ->
 def test_a_robot_joins_the_battle_with_its_firmware_inside(
     programs: Programs, platform: str, figures: list[str]
 ) -> None:
-    _, web, _ = programs.start_master("linux/amd64")
+    _, web, *_ = programs.start_master("linux/amd64")
     uart = programs.start("sim", "linux/amd64", "uart", *AVR_ROBOT)
     web.wait_until_healthy()
     uart.wait_until_healthy()
@@ -102,7 +103,7 @@ def test_a_robot_joins_the_battle_with_its_firmware_inside(
 def test_the_arena_a_virtual_robot_and_a_bot_become_healthy(
     programs: Programs, platform: str, figures: list[str]
 ) -> None:
-    _, web, _ = programs.start_master("linux/amd64")
+    _, web, *_ = programs.start_master("linux/amd64")
     web.wait_until_healthy()
     arena = programs.start("sim", platform, "arena")
     uart = programs.start("sim", platform, "uart", *AVR_ROBOT)

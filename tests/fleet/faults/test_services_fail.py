@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
+from fleet import SERVICES
 from tests.support.play import PLAYING, obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
@@ -31,7 +32,7 @@ def test_the_engines_restart_in_a_battle(
         assert {user["name"] for user in ann.look()["users"]} == {"Ann", "Bob"}
 
 
-@pytest.mark.parametrize("service", ["laserbot-rosmaster", "laserbot-rosbridge", "laserbot-web", "laserbot-robot"])
+@pytest.mark.parametrize("service", [*SERVICES["master"], *SERVICES["robots"]])
 def test_a_container_is_killed(rehearsal: Rehearsal, measured: Measured, service: str) -> None:
     machine = rehearsal.robots[0] if service == "laserbot-robot" else rehearsal.master
     before = machine.container(service)["RestartCount"]

@@ -6,12 +6,13 @@ import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import pytest
 
 from fleet import Machine
-from tests.support.play import PLAYING, STOPPED, obeys, start
+from tests.support.play import PLAYING, STOPPED, hunt_down, obeys, reconnect, shoot_to_the_end, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
@@ -115,6 +116,46 @@ def test_the_master_gets_a_new_image_and_goes_back(
     rehearsal.playbook("rollback", "--limit=master")
     assert running() == old
     rehearsal.wait_until_complete()
+
+
+def test_a_new_image_of_the_master_between_two_hits_ends_no_battle(
+    rehearsal: Rehearsal, players: tuple[Player, Player], better_master: Path, measured: Measured
+) -> None:
+    """A deployment does not wait for the end of the battle: ROS master, rosbridge and web server are all replaced."""
+    ann, bob = players
+    with Eyes(rehearsal) as eyes:
+        start(ann, bob)
+        hunt_down(ann, bob, eyes, 60)
+        stands_still(ann, eyes)
+        before = ann.look()
+        old = rehearsal.master.container("laserbot-web")["Id"]
+        deploy = Playbook("deploy", "--limit=master", f"--extra-vars=fleet_images_archive={better_master}")
+        measured("")
+        until(lambda: rehearsal.available() < 0 or not deploy.running, 900, "the web server goes")
+        measured("master deployed up to the battle's interruption")
+        until(lambda: rehearsal.available() >= 0, 60, "the web server is back")
+        measured("the web server was away for the first time")
+        deploy.finish()
+        assert rehearsal.master.container("laserbot-web")["Id"] != old
+        for player in players:
+            reconnect(player)
+            player.wait_for_game(PLAYING)
+        measured("all replaced, and the pages are back")
+        after = ann.look()
+        assert after["battle"] == before["battle"]
+        assert after["time_left"] < before["time_left"]
+        assert lives(after) == lives(before)
+        assert lives(after)["Bob"] in (60, 20), "the hunter may have hit once more than it meant to"
+        assert [player.ready() for player in players] == ["STARTED", "STARTED"], "they are signed in"
+        for player in players:
+            obeys(player, eyes, 60)
+        measured("the robots obey again")
+        assert shoot_to_the_end(ann, bob, eyes)[-1] == 0
+    rehearsal.playbook("rollback", "--limit=master")
+
+
+def lives(status: dict[str, Any]) -> dict[str, int]:
+    return {user["name"]: user["life"] for user in status["users"]}
 
 
 def test_robots_get_a_new_image_and_go_back(rehearsal: Rehearsal, better: Path, measured: Measured) -> None:
