@@ -12,6 +12,7 @@ from tests.support.programs import ROOT
 
 DOCUMENTS = [path for path in [*ROOT.glob("*.md"), *ROOT.glob("*/*.md")] if not path.is_relative_to(ROOT / "build")]
 COMMAND = re.compile(r"(?:[A-Z_]+=\S+ )?(?:make|docker|(?:\.\./)?ci/\w+|kubectl)\b.*|ansible-\w+ .+")
+FENCE = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 
 INVENTORY = "tests/repository/test_ansible_readme.py::test_its_steps_make_an_inventory"
 
@@ -21,7 +22,7 @@ RUN_BY = {
         "make demo": "tests/integration/test_demo.py::test_make_demo_starts_and_ctrl_c_ends_it",
         "make demo BOTS=0": "tests/integration/test_battle.py::test_a_command_turns_the_wheels_and_silence_stops_them",
         "make demo ROBOTS=4 BOTS=2": "tests/integration/test_demo.py::test_make_demo_starts_and_ctrl_c_ends_it",
-        "LASERBOT_BIND=0.0.0.0 make demo": "tests/integration/test_demo.py::test_another_computer_reaches_the_game",
+        "LASERBOT_BIND=0.0.0.0 make demo": "tests/integration/discovery/test_demo.py::test_others_reach_the_game",
         "make images": "tests/images/test_contents.py::test_each_image_has_a_list_of_its_contents",
         "docker compose --profile demo up": "tests/images/test_compose.py::test_a_battle_is_played_to_its_end",
         "make fleet": "ci/test-fleet::ci/fleet up",
@@ -43,9 +44,14 @@ RUN_BY = {
     },
     "docs/lan.md": {
         "docker compose --profile master up -d": "tests/images/test_compose_lan.py"
-        "::test_a_robot_on_a_serial_device_joins_the_master",
+        "::test_robots_find_the_master_and_a_battle_is_played",
         "docker compose --profile robot up -d": "tests/images/test_compose_lan.py"
-        "::test_a_robot_on_a_serial_device_joins_the_master",
+        "::test_robots_find_the_master_and_a_battle_is_played",
+    },
+    "docs/rosbridge.md": {
+        "ci/setup run": "Makefile::ci/setup run",
+        "PYTHONPATH=build/python:$PYTHONPATH .venv/bin/python -m server.rosbridge --port 9090 --open": "tests"
+        "/integration/rosbridge/test_documented_lab.py::test_the_python_example_runs",
     },
     "ansible/README.md": {
         "make fleet": "ci/test-fleet::ci/fleet up",
@@ -68,10 +74,9 @@ RUNS = {command: place for document in RUN_BY.values() for command, place in doc
 
 def commands(text: str) -> set[str]:
     """The commands of a document: of its `sh` blocks, and between backquotes."""
-    fence = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
-    blocks = [block for language, block in fence.findall(text) if language == "sh"]
+    blocks = [block for language, block in FENCE.findall(text) if language == "sh"]
     lines = {line.split(" #")[0].strip() for block in blocks for line in block.splitlines()}
-    spans = {" ".join(span.split()) for span in re.findall(r"`([^`]+)`", fence.sub("", text))}
+    spans = {" ".join(span.split()) for span in re.findall(r"`([^`]+)`", FENCE.sub("", text))}
     return lines | {span for span in spans if COMMAND.fullmatch(span)}
 
 
@@ -111,7 +116,7 @@ def make(*words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_links_lead_to_files_and_headings(document: Path) -> None:
-    for target in re.findall(r"""(?:\]\(|src=")([^)"]+)""", document.read_text()):
+    for target in re.findall(r"""(?:\]\(|src=")([^)"]+)""", FENCE.sub("", document.read_text())):
         if "://" in target:
             continue
         name, _, anchor = target.partition("#")

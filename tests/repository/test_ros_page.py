@@ -7,7 +7,7 @@ import pytest
 from std_msgs.msg import Empty
 
 from laser_bot_battle.master import Master
-from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
+from laser_bot_battle.msg import GameStatus, Positions, Robot_msg, RobotPosition, UserStatus
 from laser_bot_battle.srv import AddNewRobot
 from tests.support.battle import Battle
 from tests.support.documents import blocks, page, table
@@ -16,7 +16,7 @@ from tests.support.polling import until
 from tests.support.programs import ROOT
 
 PAGE = page("protocol-ros.md")
-TYPES = {kind._type: kind for kind in (AddNewRobot, Empty, GameStatus, Robot_msg, UserStatus)}
+TYPES = {kind._type: kind for kind in (AddNewRobot, Empty, GameStatus, Positions, Robot_msg, RobotPosition, UserStatus)}
 # what every ROS network has
 USUAL = re.compile(r"/rosout|/rosout_agg|/.*/(get_loggers|set_logger_level)")
 
@@ -78,11 +78,12 @@ def test_the_topics_are_those_of_a_battle(master: Registrations) -> None:
 
 def test_the_services_are_those_of_a_battle(master: Registrations) -> None:
     rows = table(PAGE, "Services")
-    assert master.registered(2) == {(row["service"], row["of"]) for row in rows}
-    assert {row["type"] for row in rows} == {AddNewRobot._type}
+    registered = {(re.sub("^/rosapi/.+", "/rosapi/*", service), node) for service, node in master.registered(2)}
+    assert registered == {(row["service"], row["of"]) for row in rows}
+    assert {row["type"] for row in rows} == {AddNewRobot._type, "rosapi/*"}
 
 
 def test_the_nodes_are_those_of_the_tables() -> None:
     nodes = {row["node"] for row in table(PAGE, "Nodes")}
-    topics = table(PAGE, "Topics")
-    assert nodes == {row["from"] for row in topics} | {row["to"] for row in topics}
+    topics, services = table(PAGE, "Topics"), table(PAGE, "Services")
+    assert nodes == {row["from"] for row in topics} | {row["to"] for row in topics} | {row["of"] for row in services}

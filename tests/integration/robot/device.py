@@ -5,7 +5,10 @@ import pty
 import select
 import struct
 import threading
+import time
 import tty
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Self
 
@@ -41,6 +44,8 @@ class Device:
         self._master, self._slave = pty.openpty()
         tty.setraw(self._slave)
         path.symlink_to(os.ttyname(self._slave))
+        os.set_blocking(self._slave, False)
+        self._reading = threading.Lock()
         self._woken, self._wake = os.pipe()  # ends the thread
         self._thread = threading.Thread(target=self._run, name="device")
 
@@ -58,6 +63,17 @@ class Device:
         """The payloads that came for topic 100, in order."""
         return [frame.payload for frame in self.frames if frame.topic_id == COMMAND.topic_id]
 
+    @contextmanager
+    def clogged(self) -> Iterator[None]:
+        """The device reads nothing, and the line takes nothing more."""
+        with self._reading:
+            for size in 4096, 1, 1:  # the kernel has room for a byte where it has none for many
+                with suppress(BlockingIOError):
+                    while True:
+                        os.write(self._slave, bytes(size))
+                time.sleep(0.05)  # it moves what it has nearer to the reader, and has room again
+            yield
+
     def unplug(self) -> None:
         """The device vanishes, as by pulling the cable."""
         if self._thread.is_alive():
@@ -71,7 +87,8 @@ class Device:
     def _run(self) -> None:
         decoder = Decoder()
         while self._woken not in select.select([self._master, self._woken], [], [])[0]:
-            data = os.read(self._master, 4096)
+            with self._reading:
+                data = os.read(self._master, 4096)
             self.received += data
             for frame in decoder.feed(data, 0.0):
                 self.frames.append(frame)

@@ -29,4 +29,9 @@ class IdService:
     @property
     def callers(self) -> list[str]:
         """Who has asked for an ID, in order."""
-        return re.findall("asked by (.*)", self._program.output)
+        return re.findall("asked by (.*),", self._program.output)
+
+    @property
+    def keys(self) -> list[str]:
+        """The digests of the keys that they gave, in order."""
+        return re.findall("with key (.*)", self._program.output)

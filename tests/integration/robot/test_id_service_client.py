@@ -1,5 +1,6 @@
 """The robot's main program between a device, a real ROS service and a real HTTP server."""
 
+import hashlib
 import os
 import signal
 import time
@@ -52,8 +53,23 @@ def test_a_robot_registers_once_its_arduino_answers_and_pings_with_its_id(
     robot.wait_for(" INFO robot.id_service_client: New robot ID = 0\n")
     robot.wait_for("/Robot0/command")
     until(lambda: len(web.pings) >= 3)
-    assert {body for _, _, body in web.pings} == {"ID=0"}
+    (ping,) = {body for _, _, body in web.pings}
+    robot_id, _, key = ping.partition("&key=")
+    assert robot_id == "ID=0"
+    assert len(key) >= 43
     assert ids.callers == ["/id_service_client_test_robot_1"]
+    assert ids.keys == [hashlib.sha256(key.encode()).hexdigest()]
+
+
+def test_every_start_has_a_key_of_its_own(ids: IdService, web: WebServer, robot: Program, settings) -> None:
+    robot.wait_for("New robot ID = 0")
+    robot.stop()
+    again = Program.python("robot.id_service_client", env=settings)
+    try:
+        again.wait_for("New robot ID = 0")
+    finally:
+        again.stop()
+    assert len(set(ids.keys)) == 2
 
 
 def test_the_sign_of_life_is_renewed_while_the_robot_works_and_only_then(
@@ -111,7 +127,7 @@ def test_a_new_id_starts_the_serial_node_under_the_new_name(ids: IdService, web:
     web.answer = '{"status": "OK"}'
     robot.wait_for("/Robot5/command")
     assert children(robot, "__name:=Robot0") == []
-    until(lambda: web.pings[-1][2] == "ID=5")
+    until(lambda: web.pings[-1][2].startswith("ID=5&"))
 
 
 def test_pings_stop_when_the_serial_node_ends_and_the_robot_comes_back(

@@ -15,7 +15,7 @@ from tests.support.polling import patience, until
 @pytest.fixture
 def pings(web: WebServer, caplog: pytest.LogCaptureFixture) -> Iterator[PingThread]:
     caplog.set_level(logging.INFO, "robot")
-    with PingThread(web.url, 7) as pings:
+    with PingThread(web.url, 7, "secret") as pings:
         until(lambda: web.pings)
         yield pings
     pings.join(3)
@@ -30,13 +30,18 @@ def test_a_ping_says_the_id_every_400_ms(web: WebServer, pings: PingThread) -> N
     until(lambda: len(web.pings) >= 6)
     times, paths, bodies = zip(*web.pings[:6], strict=True)
     assert set(paths) == {"/incAlive"}
-    assert set(bodies) == {"ID=7"}
+    assert set(bodies) == {"ID=7&key=secret"}
     assert 1.9 < times[5] - times[0] < 3.0
     assert not pings.unknown.is_set()
 
 
 def test_an_unknown_robot_is_reported(web: WebServer, pings: PingThread) -> None:
     web.answer = '{"status": "ERROR"}'
+    assert pings.unknown.wait(3)
+
+
+def test_a_robot_whose_key_the_server_does_not_know_is_to_register_again(web: WebServer, pings: PingThread) -> None:
+    web.code, web.answer = 403, '{"error": "only that robot can say that it is alive", "status": "ERROR"}'
     assert pings.unknown.wait(3)
 
 
@@ -61,6 +66,7 @@ def test_pings_go_on_after_the_server_was_away_and_each_outage_is_logged_once(
     [
         (500, "<h1>Error 500</h1>"),
         (404, "<h1>Error 404</h1>"),
+        (403, "<h1>Error 403</h1>"),
         (200, "not JSON"),
         (200, "[]"),
         (200, '"OK"'),
@@ -89,7 +95,7 @@ def test_a_server_that_hangs_is_not_waited_for_longer_than_a_second(
 
 
 def test_no_ping_is_sent_after_the_stop(web: WebServer) -> None:
-    with PingThread(web.url, 7) as pings:
+    with PingThread(web.url, 7, "secret") as pings:
         until(lambda: len(web.pings) >= 2)
     pings.join(3 * patience())
     assert not pings.is_alive()

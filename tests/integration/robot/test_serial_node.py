@@ -104,6 +104,25 @@ def test_a_flood_of_commands_is_thinned_to_what_the_line_carries(start: Start, d
     assert 2 < len(device.commands()) < 20 + line_speed * (time.monotonic() - begun)
 
 
+def test_of_the_commands_that_come_while_the_line_takes_nothing_the_newest_follows(
+    start: Start, device: Device
+) -> None:
+    serve(start, device.path, 32)
+    with device.clogged():
+        publish(start, "/Robot32/command", "1 0 0  1 1 0  1 -1 1", count=3).wait_for("published")
+    until(lambda: NEUTRAL in device.received)
+    assert device.commands() == [b"\x01\0\0", b"\x01\xff\x01", b"\0\0\0"]
+
+
+def test_a_device_that_takes_no_command_ends_the_node_with_an_error(start: Start, device: Device) -> None:
+    node = serve(start, device.path, 33)
+    with device.clogged():
+        publish(start, "/Robot33/command", "1 0 0", count=1000)
+        assert node.process.wait(15) == 1
+    assert "Connection to Arduino lost: cannot write to" in node.output
+    assert "Traceback" not in node.output
+
+
 def test_the_device_gets_the_time_that_it_asks_for(start: Start, device: Device) -> None:
     serve(start, device.path, 15)
     times = until(lambda: [frame.payload for frame in device.frames if frame.topic_id == 10])
@@ -161,6 +180,15 @@ def test_a_signal_ends_the_node_cleanly_and_leaves_the_robot_neutral(
     assert "Traceback" not in node.output
 
 
+def test_no_command_follows_what_stops_the_device(start: Start, device: Device) -> None:
+    node = serve(start, device.path, 34)
+    publish(start, "/Robot34/command", "1 0 0", period=0, count=100_000_000)
+    until(lambda: len(device.commands()) > 100)
+    assert node.stop(signal.SIGINT, seconds=2) == 0
+    until(lambda: device.received.endswith(NEUTRAL + STOP_SENDING))
+    assert "Traceback" not in node.output
+
+
 def test_an_absent_ros_master_is_an_error_of_one_line(device: Device, ros_master: RosMaster) -> None:
     env = {**ros_master.env, "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}"}
     node = Program.python("robot.serial_node", device.path, "__name:=Robot23", env=env)
@@ -187,6 +215,20 @@ def test_a_ros_master_that_hangs_stops_neither_the_node_nor_its_commands(device:
     finally:
         master.resume()
         driver.kill()
+        node.kill()
+        master.stop()
+
+
+def test_it_ends_also_while_the_ros_master_hangs(device: Device, tmp_path: Path) -> None:
+    master = RosMaster(tmp_path)
+    master.start()
+    node = Program.python("robot.serial_node", device.path, "__name:=Robot32", env=master.env)
+    try:
+        node.wait_for("/command")
+        master.pause()
+        assert node.stop(signal.SIGTERM, seconds=5) == 0
+    finally:
+        master.resume()
         node.kill()
         master.stop()
 
