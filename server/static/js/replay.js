@@ -41,8 +41,9 @@ export function fighterAt(timeline, name, at) {
   };
 }
 
-/** How long there is something to see. */
-export const lengthOf = ({ seconds, track }) => seconds ?? track.times.at(-1);
+/** How long there is something to see: what ends the battle is part of it, however its time was rounded. */
+export const lengthOf = ({ seconds, timeline, track }) =>
+  Math.max(seconds ?? track.times.at(-1), ...timeline.map((moment) => moment.at));
 
 /** Like 4:05. */
 export function clock(seconds) {

@@ -112,7 +112,6 @@ class RobotPeer:
 
     def __init__(self, program: Program) -> None:
         self.program = program
-        self._next_hit = 0.0
         self.wait_for_registration(1)
 
     def wait_for_registration(self, times: int) -> None:
@@ -128,9 +127,9 @@ class RobotPeer:
         return self.ids[-1]
 
     def hit(self) -> None:
-        """Not sooner after the last one than the firmware reports it."""
-        until(lambda: time.monotonic() >= self._next_hit)
-        self._next_hit = time.monotonic() + HIT_INTERVAL
+        """Not sooner than the firmware reports it after one that the server has heard of only now."""
+        due = time.monotonic() + HIT_INTERVAL
+        until(lambda: time.monotonic() >= due)
         self.program.process.send_signal(signal.SIGUSR1)
 
     def vanish(self) -> None:
