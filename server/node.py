@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from queue import SimpleQueue
 from typing import Any, Self
 
 from laser_bot_battle import variables
@@ -80,8 +81,12 @@ class Node:
 
         The work gets a socket that has the port but does not listen yet: until all is ready, connections are refused.
         """
+        # A handler runs in the middle of whatever this thread does. Setting the event there would wait for ever for the
+        # event's own lock, if this thread was just about to wait for it; a SimpleQueue may be used in handlers.
+        signals: SimpleQueue[int] = SimpleQueue()
         for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda *_: self.ending.set())
+            signal.signal(number, lambda number, _: signals.put(number))
+        threading.Thread(target=self._obey, args=[signals], name="signals", daemon=True).start()
         bind, port = self.settings.bind, self.settings.port
         try:
             listener = _bind(bind, port)
@@ -134,6 +139,10 @@ class Node:
             self.fail(str(error))
         self.ending.set()
         watch.stop()
+
+    def _obey(self, signals: "SimpleQueue[int]") -> None:
+        signals.get()
+        self.ending.set()
 
     def _end_in_time(self) -> None:
         """A master that hangs must not hold us when we are to end."""

@@ -1,0 +1,30 @@
+"""The life of a program of the master."""
+
+import subprocess
+import sys
+
+from tests.support.polling import patience
+from tests.support.ports import free_port
+
+# the signal comes at the worst moment: while the main thread holds the lock of what the signal is to set
+PROGRAM = """
+import signal, sys, threading
+from server.node import Node, NodeSettings
+
+class Unlucky(threading.Event):
+    def wait(self, timeout=None):
+        if threading.current_thread() is threading.main_thread():
+            with self._cond:
+                signal.raise_signal(signal.SIGTERM)
+        return super().wait(timeout)
+
+node = Node("/a", NodeSettings("127.0.0.1", int(sys.argv[1]), "LASERBOT_WEB_PORT", "http://127.0.0.1:1", "info"))
+node.ending = Unlucky()
+sys.exit(node.run(lambda listener: None))
+"""
+
+
+def test_a_signal_at_any_moment_ends_it() -> None:
+    command = [sys.executable, "-c", PROGRAM, str(free_port())]
+    done = subprocess.run(command, check=False, timeout=20 * patience(), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
