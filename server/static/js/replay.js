@@ -41,9 +41,9 @@ export function fighterAt(timeline, name, at) {
   };
 }
 
-/** How long there is something to see: what ends the battle is part of it, however its time was rounded. */
+/** How long there is something to see, with what ends the battle; in whole ms, for a slider keeps no more digits. */
 export const lengthOf = ({ seconds, timeline, track }) =>
-  Math.max(seconds ?? track.times.at(-1), ...timeline.map((moment) => moment.at));
+  Math.ceil(1000 * Math.max(seconds ?? track.times.at(-1), ...timeline.map((moment) => moment.at))) / 1000;
 
 /** Like 4:05. */
 export function clock(seconds) {

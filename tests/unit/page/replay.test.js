@@ -45,7 +45,7 @@ test("life, hits and the end of a fighter come from the time line", () => {
 
 test("a battle that has not ended is as long as its track", () => {
   assert.equal(lengthOf({ seconds: 7.5, timeline: [{ at: 7 }], track }), 7.5);
-  assert.equal(lengthOf({ seconds: 7.5, timeline: [{ at: 7.5001 }], track }), 7.5001, "the last moment can be seen");
+  assert.equal(lengthOf({ seconds: 7.5, timeline: [{ at: 7.5001 }], track }), 7.501, "the last moment can be seen");
   assert.equal(lengthOf({ seconds: null, timeline: [], track }), 4);
   assert.equal(clock(65.9), "1:06");
 });
