@@ -1,5 +1,6 @@
 """The database: what it keeps, and that the game does not mind its faults; a file and a server alike."""
 
+import gc
 import sqlite3
 import time
 from collections.abc import Callable, Iterator
@@ -22,6 +23,16 @@ from tests.support.polling import until
 from tests.support.postgres import Postgres, own_postgres, postgres
 
 __all__ = ["own_postgres", "postgres"]
+
+# pg8000 leaves the closing of a broken connection to the interpreter, which may come to it in any later test
+pytestmark = pytest.mark.filterwarnings("ignore:Exception ignored in. <socket:pytest.PytestUnraisableExceptionWarning")
+
+
+@pytest.fixture(autouse=True, scope="module")
+def nothing_left() -> Iterator[None]:
+    """No test of another module meets what is left of this one's connections."""
+    yield
+    gc.collect()
 
 
 @pytest.fixture
@@ -246,8 +257,6 @@ def test_a_password_that_is_wrong_is_told_in_the_servers_words(open_, postgres: 
     assert "of another" not in caplog.text
 
 
-# pg8000 leaves the closing of a broken connection to the interpreter
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_a_server_that_is_just_starting_is_waited_for(own_postgres: Postgres, match):
     url = own_postgres.new_database()
     database = Database(url)
@@ -269,8 +278,6 @@ def test_a_server_that_is_just_starting_is_waited_for(own_postgres: Postgres, ma
         again.close()
 
 
-# pg8000 leaves the closing of a broken connection to the interpreter
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 @pytest.mark.parametrize("fault", ["killed", "stands still"])
 def test_nothing_is_lost_or_doubled_by_a_server_that_was_away(
     open_, own_postgres: Postgres, match, fault: str, caplog
