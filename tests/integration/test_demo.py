@@ -118,7 +118,7 @@ def fights_again(player: Player, other: Player, eyes: Eyes) -> bool:
 
 def test_the_bot_waits_for_a_human_as_an_opponent() -> None:
     with Battle(robots=2, bots=1) as battle:
-        assert players_and_free_robots(battle) == ([("Bot1", 1)], 1)
+        until(lambda: players_and_free_robots(battle) == ([("Bot1", 1)], 1), 10, "the other robot is free")
 
 
 def test_a_port_in_use_is_one_clear_line() -> None:

@@ -1,5 +1,6 @@
 """The life of a program of the master."""
 
+import os
 import subprocess
 import sys
 
@@ -26,5 +27,6 @@ sys.exit(node.run(lambda listener: None))
 
 def test_a_signal_at_any_moment_ends_it() -> None:
     command = [sys.executable, "-c", PROGRAM, str(free_port())]
-    done = subprocess.run(command, check=False, timeout=20 * patience(), capture_output=True, text=True)
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(command, check=False, timeout=20 * patience(), capture_output=True, text=True, env=env)
     assert done.returncode == 0, done.stderr
