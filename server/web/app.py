@@ -1,5 +1,7 @@
 """The web application (manual 3.1.3): pages, error pages and the rules that hold for every request."""
 
+import re
+
 from flask import Blueprint, Flask, Response, abort, make_response, render_template, request
 from werkzeug.exceptions import HTTPException, MethodNotAllowed, NotFound
 
@@ -8,26 +10,24 @@ from server.settings import Settings
 from server.store.results import Results
 from server.web import operator_api
 from server.web.api import cookie_session, create_api, reply
+from server.web.assets import asset, with_assets
 from server.web.hosts import with_valid_host
 from server.web.results import create_results
+from server.web.words import add_words
 
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
 
-# the page opens a WebSocket to rosbridge, and shows the arena's view: same host, other ports
-_PAGE_POLICY = (
-    "default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self' ws: wss:; "
-    "object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
-)
 
 
 def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
     """The WSGI application that serves `game`, with `more` routes than those of players and robots."""
-    app = Flask(__name__, static_folder="../static")
-    page_policy = _PAGE_POLICY + (f"; frame-src *:{settings.view_port}" if settings.view_port else "")
+    app = Flask(__name__, static_folder=None)
+    app.jinja_env.globals["asset"] = asset
+    add_words(app)
     api = create_api(game)
     for blueprint in (api, create_results(Results(settings.database)), *more):
         app.register_blueprint(blueprint)
-    app.wsgi_app = with_valid_host(app.wsgi_app)  # type: ignore[assignment, method-assign]
+    app.wsgi_app = with_valid_host(with_assets(app.wsgi_app))  # type: ignore[assignment, method-assign]
 
     @app.get("/")
     def index() -> str:
@@ -69,11 +69,10 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
     @app.after_request
     def set_headers(response: Response) -> Response:
         headers = response.headers
-        headers.setdefault("Content-Security-Policy", page_policy)
+        headers.setdefault("Content-Security-Policy", _page_policy(settings, request.host))
         headers["X-Content-Type-Options"] = "nosniff"
         headers["Referrer-Policy"] = "same-origin"
-        if request.endpoint != "static":
-            headers["Cache-Control"] = "no-store"
+        headers["Cache-Control"] = "no-store"
         return response
 
     @app.errorhandler(HTTPException)
@@ -104,3 +103,15 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
             response.headers["Allow"] = ", ".join(sorted(error.valid_methods))
 
     return app
+
+
+def _page_policy(settings: Settings, host: str) -> str:
+    """What a page may do: open a WebSocket to rosbridge and show the arena's view, on the host that it came from."""
+    name = host.rpartition(":")[0] if re.search(r":\d+$", host) else host
+    bridge = f"{name}:{settings.rosbridge_port}"
+    arena = f"http://{name}:{settings.view_port} https://{name}:{settings.view_port}" if settings.view_port else "'none'"
+    return (
+        f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+        f"connect-src 'self' ws://{bridge} wss://{bridge}; frame-src {arena}; "
+        "object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
+    )

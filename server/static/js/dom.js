@@ -24,8 +24,6 @@ export function icon(name) {
   return svg;
 }
 
-export const avatarUrl = (index) => `/static/img/avatar${index}.png`;
-
 /** Set a text only when it differs: screen readers and selections are left alone. */
 export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;

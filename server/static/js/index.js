@@ -2,7 +2,8 @@
 
 import * as api from "./api.js";
 import * as dialogs from "./dialogs.js";
-import { avatarUrl, setText } from "./dom.js";
+import { avatarUrl } from "./assets.js";
+import { setText } from "./dom.js";
 import { isValidName, loginDialog } from "./login.js";
 import { queueText } from "./queue.js";
 import * as storage from "./storage.js";

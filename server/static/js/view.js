@@ -1,6 +1,7 @@
 // The home page's elements, set from the state. It keeps nothing but what is needed to change as little as possible.
 
-import { avatarUrl, element, icon, setLife, setText } from "./dom.js";
+import { avatarUrl } from "./assets.js";
+import { element, icon, setLife, setText } from "./dom.js";
 import * as effects from "./effects.js";
 import * as state from "./state.js";
 

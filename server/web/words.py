@@ -1,0 +1,63 @@
+"""The pages' words in each language: server/static/words, a file per language, which the scripts of the pages use too.
+
+A visitor's language is the one chosen on a page (a cookie), or else the best of what the browser asks for.
+"""
+
+import json
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from flask import Flask, request
+from markupsafe import Markup
+
+LANGUAGES = {"en": "English", "it": "Italiano", "de": "Deutsch"}  # the first is for everybody else
+LANGUAGE_COOKIE = "laserbot_language"
+THEME_COOKIE = "laserbot_theme"
+_THEMES = ("light", "dark")
+_FOLDER = Path(__file__).resolve().parents[1] / "static" / "words"
+
+
+@cache
+def words(language: str) -> dict[str, Any]:
+    """{section: {key: text}} of a language; a text is a string or {"one": string, "other": string}."""
+    found: dict[str, Any] = json.loads((_FOLDER / f"{language}.json").read_text())
+    return found
+
+
+def language() -> str:
+    """The language of this request's visitor."""
+    chosen = request.cookies.get(LANGUAGE_COOKIE, "")
+    if chosen in LANGUAGES:
+        return chosen
+    return request.accept_languages.best_match(LANGUAGES) or next(iter(LANGUAGES))
+
+
+def theme() -> str:
+    """The colours that this request's visitor has chosen: "light", "dark" or "" for what the device prefers."""
+    chosen = request.cookies.get(THEME_COOKIE, "")
+    return chosen if chosen in _THEMES else ""
+
+
+def t(key: str, **values: str | int) -> str:
+    """The text "section.key" in the visitor's language, with its {places} filled; `n` chooses between one and many."""
+    section, _, name = key.partition(".")
+    text = words(language())[section][name]
+    if not isinstance(text, str):
+        text = text["one" if values["n"] == 1 else "other"]
+    return str(text.format(**values))
+
+
+def page_words(sections: list[str]) -> Markup:
+    """These sections as JSON that can stand in an HTML page."""
+    text = json.dumps({name: words(language())[name] for name in sections}, ensure_ascii=False)
+    return Markup(text.replace("<", "\\u003c"))  # noqa: S704 - so nothing in it ends the element that it stands in
+
+
+def add_words(app: Flask) -> None:
+    """Give them to the application's templates."""
+    app.jinja_env.globals.update(t=t, page_words=page_words, languages=LANGUAGES)
+
+    @app.context_processor
+    def choices() -> dict[str, str]:
+        return {"language": language(), "theme": theme()}
