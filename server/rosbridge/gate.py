@@ -28,6 +28,7 @@ STATUS_TYPE = GameStatus._type
 # The referee speaks at least every 0.5 s. When it is silent for so long it is gone, and with it every right to drive.
 REFEREE_SILENCE = 3.0  # s
 NO_GLOBS = Globs()
+GET_TIME = "/rosapi/get_time"  # players measure by it how long their commands are on the way
 _COMMAND = struct.Struct("<bbB")  # a serialized Robot_msg
 
 
@@ -150,7 +151,11 @@ class Gate:
         return ""
 
     def refuses_calling(self, who: Identity, service: str) -> str:
-        return self._hidden_service(service) if who.operator else f"only operators may call {service}"
+        if who.operator:
+            return self._hidden_service(service)
+        if service != GET_TIME:
+            return f"only operators may call {service}"
+        return "" if self.player(who) else f"only signed-in players and operators may call {service}"
 
     def refuses_offering(self, who: Identity, service: str) -> str:
         return self._hidden_service(service) if who.operator else f"only operators may offer {service}"

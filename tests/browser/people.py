@@ -27,7 +27,7 @@ class Person:
         self.robot = -1  # until logged in
 
     def log_in(self) -> None:
-        expect(self.page.locator("#availableR")).not_to_have_text("0")
+        expect(self.page.locator("#availableR")).not_to_have_attribute("data-count", "0")
         self.page.locator("#username").fill(self.name)
         self.page.locator("#username").press("Enter")
         self.page.wait_for_url("**/home")

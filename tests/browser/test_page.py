@@ -47,7 +47,7 @@ def test_a_click_changes_the_avatar_and_others_see_it(person: Callable[[str], Pe
     assert ann.page.locator(".userImage").first.get_attribute("src") == chosen
     with Player(battle, "Bob") as bob:
         until(lambda: bob.user("Ann"), 5)
-        assert chosen.endswith(f"avatar{bob.user('Ann')['avatar']}.png")
+        assert f"/avatar{bob.user('Ann')['avatar']}-" in chosen
 
 
 def test_a_bad_name_and_a_taken_name_are_explained(person: Callable[[str], Person], battle: Battle) -> None:
@@ -147,13 +147,16 @@ def test_a_session_can_be_restored_or_given_up(person: Callable[[str], Person], 
     ann = person("Ann")
     ann.log_in()
     ann.page.goto(battle.web)
-    assert "Ann" in dialog_of(ann.page)
-    ann.page.locator("dialog[open] button", has_text="OK").click()
+    expect(ann.page.locator("#restore-title")).to_have_text("You are logged in as “Ann”.")
+    expect(ann.page.locator("#go-on")).to_be_focused()
+    ann.page.keyboard.press("Escape")  # is no answer
+    expect(ann.page.locator("#username")).to_be_hidden()
+    ann.page.keyboard.press("Enter")
     ann.page.wait_for_url("**/home")
     ann.page.goto(battle.web)
-    dialog_of(ann.page)
-    ann.page.locator("dialog[open] button", has_text="Cancel").click()
-    expect(ann.page.locator("#availableR")).to_have_text("2")
+    ann.page.locator("#restore #sign-out").click()
+    expect(ann.page.locator("#availableR")).to_have_text("2 robots are free")
+    expect(ann.page.locator("#username")).to_be_focused()
 
 
 def test_signing_out_is_asked_and_can_be_cancelled(person: Callable[[str], Person], battle: Battle) -> None:
@@ -163,10 +166,11 @@ def test_signing_out_is_asked_and_can_be_cancelled(person: Callable[[str], Perso
         ann.page.locator(".user-button").click()
         ann.page.locator("#sign-out").click()
         assert "Sign out?" in dialog_of(ann.page)
+        expect(ann.page.locator("#user-card")).to_be_hidden()  # it would lie over the question
         ann.page.locator("dialog[open] button", has_text=answer).click()
     assert "Signed out" in dialog_of(ann.page)
     ann.page.wait_for_url(f"{battle.web}/")
-    expect(ann.page.locator("#availableR")).to_have_text("2")
+    expect(ann.page.locator("#availableR")).to_have_text("2 robots are free")
 
 
 @pytest.mark.parametrize("key", ["ArrowRight", "d"])
@@ -228,6 +232,19 @@ def test_a_robot_that_starts_again_is_still_its_players(person: Callable[[str], 
     until(lambda: after_a_click(lambda: ready.get_attribute("aria-pressed") == "true"), 30, "the robot is back")
 
 
+def test_who_is_forgotten_by_a_server_that_was_away_is_told_so(chromium: Browser) -> None:
+    with Battle(robots=1) as battle:
+        ann = Person(chromium, battle, "Ann")
+        ann.log_in()
+        expect(ann.page.locator("#connection-state")).to_contain_text("Online")
+        ann.page.route("**/session", lambda route: route.fulfill(json={"status": "UNREGISTERED"}))  # as after a loss of data
+        ann.page.route("**/updateGameStatus", lambda route: route.abort())
+        expect(ann.page.locator("#banner")).to_contain_text("The server does not answer", timeout=15_000)
+        ann.page.unroute("**/updateGameStatus")
+        assert "The game has started anew" in dialog_of(ann.page)
+        ann.context.close()
+
+
 def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person], battle: Battle) -> None:
     ann = person("Ann")
     ann.log_in()
@@ -235,7 +252,7 @@ def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person
     with Paused(psutil.Process(serial_node).ppid()):
         assert "Robot lost" in dialog_of(ann.page)
         ann.page.wait_for_url(f"{battle.web}/")
-    expect(ann.page.locator("#availableR")).to_have_text("2", timeout=30_000)
+    expect(ann.page.locator("#availableR")).to_have_text("2 robots are free", timeout=30_000)
 
 
 def test_a_page_outlives_a_restart_of_rosbridge(person: Callable[[str], Person], battle: Battle) -> None:

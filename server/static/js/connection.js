@@ -6,6 +6,8 @@ import { isNeutral } from "./keys.js";
 const RETRY = 1000; // ms from a lost connection to the next attempt
 const SILENCE = 4000; // ms; the state is published every 500 ms, so such a connection is half-open
 const BACKLOG = 1024; // bytes not yet on the wire: about five commands, 125 ms
+const PROBE = 2000; // ms between two measurements of the way to rosbridge and back
+const PROBE_ID = "round-trip"; // of the service call that measures it; no call of roslib's has such an id
 const SIGN_IN = 1000; // ms that commands wait for the ticket; with a cookie they may pass without it
 
 /** Subscribes to /game_status, signs in and publishes commands. */
@@ -14,6 +16,7 @@ export class Connection {
   #onStatus;
   #onChange;
   #onRefusal;
+  #onRoundTrip;
   #getTicket;
   #ros = null;
   #up = false;
@@ -21,6 +24,8 @@ export class Connection {
   #socket = null;
   #commands = null; // { robot, topic } of this connection
   #timer = null;
+  #prober = null;
+  #probedAt = null; // ms, while an answer is awaited
   #stopped = true;
 
   /**
@@ -29,13 +34,15 @@ export class Connection {
    * @param {(message: object) => void} wiring.onStatus gets each laser_bot_battle/GameStatus
    * @param {(up: boolean) => void} wiring.onChange
    * @param {(reason: string) => void} wiring.onRefusal rosbridge refuses a command
+   * @param {(ms: number) => void} wiring.onRoundTrip how long rosbridge takes to answer, or how long it has not
    * @param {() => Promise<{user: string, ticket: string}|null>} wiring.getTicket for the player of this page
    */
-  constructor({ url, onStatus, onChange, onRefusal, getTicket }) {
+  constructor({ url, onStatus, onChange, onRefusal, onRoundTrip, getTicket }) {
     this.#url = url;
     this.#onStatus = onStatus;
     this.#onChange = onChange;
     this.#onRefusal = onRefusal;
+    this.#onRoundTrip = onRoundTrip;
     this.#getTicket = getTicket;
   }
 
@@ -105,7 +112,10 @@ export class Connection {
       this.#setUp(true);
       const timeout = new Promise((resolve) => setTimeout(resolve, SIGN_IN));
       Promise.race([this.signIn(), timeout]).then(() => {
-        if (ros === this.#ros) this.#mayPublish = true;
+        if (ros !== this.#ros) return;
+        this.#mayPublish = true;
+        this.#probe();
+        this.#prober = setInterval(() => this.#probe(), PROBE);
       });
     });
     ros.on("close", () => {
@@ -119,8 +129,23 @@ export class Connection {
     );
   }
 
+  /** Ask rosbridge the time: what comes back goes the way of the commands. */
+  #probe() {
+    const now = performance.now();
+    if (this.#probedAt !== null) {
+      this.#onRoundTrip(now - this.#probedAt);
+      return;
+    }
+    this.#probedAt = now;
+    this.#ros.callOnConnection({ op: "call_service", id: PROBE_ID, service: "/rosapi/get_time", args: {} });
+  }
+
   /** Statuses, which roslib tells only to who knows their ids: those of commands begin as roslib makes them. */
   #hear({ op, level, id, msg }) {
+    if (op === "service_response" && id === PROBE_ID && this.#probedAt !== null) {
+      this.#onRoundTrip(performance.now() - this.#probedAt);
+      this.#probedAt = null;
+    }
     const isOfCommand = typeof id === "string" && /^(publish|advertise):\/Robot/.test(id);
     if (op === "status" && level === "error" && isOfCommand) this.#onRefusal(msg);
   }
@@ -138,6 +163,8 @@ export class Connection {
   /** Forget this connection: a half-open one would take long to close. */
   #drop() {
     clearTimeout(this.#timer);
+    clearInterval(this.#prober);
+    this.#probedAt = null;
     this.#ros?.removeAllListeners();
     this.#ros?.close();
     this.#ros = null;

@@ -1,6 +1,7 @@
 // Questions and messages in a <dialog>, one at a time. All text is set as text, never as HTML.
 
 import { element, icon } from "./dom.js";
+import { t } from "./words.js";
 
 /** Whether a dialog is open: game keys then belong to it. */
 export function isOpen() {
@@ -15,28 +16,31 @@ export function closeAll() {
 /**
  * Show a dialog in place of any other.
  * @param {object} content
- * @param {"info"|"success"|"warning"|"error"} [content.kind]
+ * @param {"info"|"success"|"warning"|"error"|null} [content.kind] the symbol; null for none
+ * @param {string} [content.look] more classes
  * @param {string} content.title
  * @param {string} [content.text]
  * @param {Node[]} [content.body] more than text
  * @param {string|null} [content.ok] the button's text; null for no button
  * @param {string} [content.cancel] text of a second button
+ * @param {{value: string, text: string}[]} [content.others] more buttons
  * @param {boolean} [content.calm] keep the focus off the buttons: a player may still be hammering the keys
- * @returns {Promise<boolean>} true for ok, false for cancel or Escape
+ * @returns {Promise<string>} "ok", the value of another button, or "" for cancel and Escape
  */
-export function show({ kind = "info", title, text = "", body = [], ok = "OK", cancel, calm = false }) {
+export function show({ kind = "info", look = "", title, text = "", body = [], ok = t("common.ok"), cancel, others = [], calm = false }) {
   closeAll();
   const heading = element("h2", { id: "dialog-title", tabIndex: -1 }, title);
   const buttons = [];
   if (cancel) buttons.push(element("button", { className: "button quiet", value: "" }, cancel));
+  for (const { value, text: label } of others) buttons.push(element("button", { className: "button quiet", value }, label));
   if (ok) buttons.push(element("button", { className: "button", value: "ok", autofocus: !calm }, ok));
   const dialog = element(
     "dialog",
-    { className: `dialog ${kind}` },
+    { className: `dialog ${kind ?? ""} ${look}` },
     element(
       "form",
       { method: "dialog" },
-      icon(kind),
+      kind && icon(kind),
       heading,
       text && element("p", {}, text),
       ...body,
@@ -53,7 +57,7 @@ export function show({ kind = "info", title, text = "", body = [], ok = "OK", ca
   return new Promise((resolve) => {
     dialog.addEventListener("close", () => {
       dialog.remove();
-      resolve(dialog.returnValue === "ok");
+      resolve(dialog.returnValue);
     });
   });
 }
@@ -64,26 +68,4 @@ export function toast(text, ms = 3000) {
   const note = element("p", { className: "toast" }, text);
   box.append(note);
   setTimeout(() => note.remove(), ms);
-}
-
-/** The help of both pages. */
-export function help() {
-  const caps = (keys) => keys.map((key) => element("kbd", {}, key));
-  const row = (keys, meaning) =>
-    element("div", { className: "help-row" }, element("span", { className: "help-keys" }, ...caps(keys)), meaning);
-  return show({
-    title: "How to play",
-    body: [
-      row(["↑", "←", "↓", "→"], "move the robot"),
-      row(["W", "A", "S", "D"], "move the robot"),
-      row(["Enter", "Space"], "fire the laser"),
-      element("p", {}, "On a touch screen: pad on the left, fire button on the right."),
-      element(
-        "p",
-        {},
-        "Press Ready. When two players are ready, a countdown runs; then every hit takes life. The last one alive wins.",
-      ),
-      element("p", {}, "A shot lasts half a second: wait until the laser's bar is full."),
-    ],
-  });
 }

@@ -41,13 +41,14 @@ export class Laser {
     this.#charges = [...charges];
   }
 
-  /** A command with `shoot` has gone out at `now` (ms). */
+  /** A command with `shoot` has gone out at `now` (ms). @returns {boolean} whether it begins a shot */
   fire(now) {
-    if (now - this.#firedAt < SHOT) return;
+    if (now - this.#firedAt < SHOT) return false;
     this.#firedAt = now;
     this.#beam.animate([{ opacity: 1 }, { opacity: 1, offset: 0.85 }, { opacity: 0 }], { duration: SHOT });
     for (const charge of this.#charges) {
       charge.animate([{ transform: "scaleX(0)" }, { transform: "scaleX(1)" }], { duration: SHOT, easing: "linear" });
     }
+    return true;
   }
 }

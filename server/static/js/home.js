@@ -1,22 +1,33 @@
 // The game page: who am I, what is the state of the battle, where do my commands go.
 
 import * as api from "./api.js";
+import { ArenaView } from "./arena_view.js";
+import { avatarUrl } from "./assets.js";
+import { Connection } from "./connection.js";
 import { connectControls } from "./controls.js";
 import * as dialogs from "./dialogs.js";
 import { Driver } from "./driver.js";
 import * as effects from "./effects.js";
+import { FeedList } from "./feed_words.js";
 import { Heartbeat } from "./heartbeat.js";
-import { Connection } from "./connection.js";
+import { help } from "./help.js";
+import { LinkQuality } from "./link.js";
 import { fromReply, fromTopic } from "./messages.js";
+import { playersShown } from "./players.js";
+import { connectPreferences } from "./preferences.js";
+import { showResult } from "./result.js";
 import * as state from "./state.js";
 import * as storage from "./storage.js";
+import { Tally } from "./tally.js";
 import * as view from "./view.js";
+import { t } from "./words.js";
 
 const TICK = 500; // ms between two looks at whether a heartbeat is due
 const RETRY = 1000; // ms between two attempts to reach the server at the start
 const REFUSED = 3000; // ms that a refusal is shown; rosbridge repeats it every second while commands come
 
 const byId = (id) => document.getElementById(id);
+const absolute = (avatar) => new URL(avatarUrl(avatar), location.href).href;
 
 /** One signed-in player on this page, from login to leaving. */
 class Game {
@@ -25,17 +36,24 @@ class Game {
   #connection;
   #heartbeat;
   #driver;
+  #arena;
+  #tally;
+  #feed = new FeedList(byId("feed"));
+  #quality = new LinkQuality();
   #timer = null;
   #left = false;
   #asking = false; // a change of ready is under way
   #checking = null; // the question for the session that is under way
+  #serverWasLost = false;
   #refusal = "";
   #refusalTimer = null;
   #signingOut = false;
   #laser = new effects.Laser(byId("beam"), document.querySelectorAll(".charge-fill"));
 
-  constructor(me) {
+  constructor(me, arena) {
     this.#me = me;
+    this.#arena = arena;
+    this.#tally = new Tally(me.name, () => performance.now());
     const port = document.querySelector("meta[name=rosbridge-port]").content;
     const scheme = location.protocol === "https:" ? "wss" : "ws";
     this.#connection = new Connection({
@@ -44,15 +62,25 @@ class Game {
         this.#heartbeat.tick(false);
         this.#take(fromTopic(message));
       },
-      onChange: () => this.#showConnection(),
+      onChange: () => {
+        this.#quality.clear();
+        this.#showConnection();
+      },
       onRefusal: (reason) => this.#refuse(reason),
+      onRoundTrip: (ms) => {
+        this.#quality.add(ms);
+        this.#showConnection();
+      },
       getTicket: () => this.#checkSession(),
     });
     this.#heartbeat = new Heartbeat({
       post: api.gameStatus,
       now: () => performance.now(),
       onReply: (reply) => this.#connection.up || this.#take(fromReply(reply, this.#status)),
-      onLost: () => this.#showConnection(),
+      onLost: () => {
+        this.#serverWasLost = true;
+        this.#showConnection();
+      },
       onBack: () => {
         this.#showConnection();
         this.#checkSession(); // the server may have forgotten its players
@@ -61,7 +89,7 @@ class Game {
     this.#driver = new Driver({
       send: (command) => {
         const sent = this.#connection.publish(me.robot, command);
-        if (sent && command.shoot && !this.#refusal) this.#laser.fire(performance.now());
+        if (sent && command.shoot && !this.#refusal && this.#laser.fire(performance.now())) this.#tally.shot();
       },
       every: (ms, act) => {
         const timer = setInterval(act, ms);
@@ -74,11 +102,9 @@ class Game {
     view.showPlayer(this.#me);
     this.#showConnection();
     connectControls(this.#driver, () => view.showHeld(this.#driver.actions));
-    byId("ready-btn").addEventListener("click", () => this.#toggleReady());
+    byId("ready-btn").addEventListener("click", () => this.#setReady(!state.findUser(this.#status, this.#me.name).ready));
     byId("sign-out").addEventListener("click", () => this.#askSignOut());
-    for (const button of document.querySelectorAll("#how-to, #how-to-menu")) {
-      button.addEventListener("click", () => this.#pause(dialogs.help));
-    }
+    byId("how-to").addEventListener("click", () => this.#pause(help));
     this.#connection.start();
     const beat = () => this.#heartbeat.tick(!this.#connection.up);
     this.#timer = setInterval(beat, TICK);
@@ -96,14 +122,20 @@ class Game {
       return;
     }
     this.#status = status;
+    this.#serverWasLost = false;
     if (state.mayDrive(status, name) && !this.#signingOut) this.#driver.start();
     else this.#stopDriving();
     if (me.avatar !== this.#me.avatar && this.#connection.up) this.#me.avatar = me.avatar;
+    this.#tally.take(previous, status);
     view.showPlayer(this.#me);
     view.showStatus(status, name, this.#refusal);
+    if (view.showCountdown(status)) effects.count(byId("countdown"));
     view.announce(state.announcement(previous, status, name));
+    this.#feed.take(previous, status);
+    this.#arena?.show({ ...playersShown(status, name, absolute), labels: { you: t("game.you") } });
     if (state.lifeLost(previous, status, name) > 0) effects.hit(byId("stage"), byId("flash"));
-    if (state.hasEnded(previous, status, name)) this.#showResult(state.ranking(status.result, name));
+    if (state.hasEnded(previous, status, name)) this.#showResult(status.result);
+    else if (status.game !== state.STOPPED && previous?.game === state.STOPPED) dialogs.closeAll(); // the next one begins
   }
 
   #stopDriving() {
@@ -137,26 +169,27 @@ class Game {
     return showDialog();
   }
 
-  #showResult({ title, text, won, rows }) {
-    dialogs.show({ kind: won ? "trophy" : "broken", title, text, body: [view.rankingList(rows)], calm: true });
+  async #showResult(result) {
+    const answer = await showResult(result, this.#me.name, this.#tally.values);
+    if (answer === "ok") this.#setReady(true);
+    else if (answer === "give") this.#signOut("/watch");
   }
 
   #showConnection() {
-    view.showConnection(state.connectionState(this.#connection.up, !this.#heartbeat.lost));
+    view.showConnection(state.connectionState(this.#connection.up, !this.#heartbeat.lost), this.#quality.value);
   }
 
-  async #toggleReady() {
+  async #setReady(ready) {
     if (!this.#status || this.#asking) return;
     this.#asking = true;
-    const { ready } = state.readyButton(this.#status, this.#me.name);
-    const reply = await api.setReady(this.#me.name, !ready).catch(() => null);
+    const reply = await api.setReady(this.#me.name, ready).catch(() => null);
     this.#asking = false;
     if (!reply) {
-      dialogs.toast("The server does not answer: try again.");
+      dialogs.toast(t("home.no_answer"));
     } else if (reply.status === "STARTED") {
-      dialogs.show({ title: "A battle is running", text: "Wait until it is over, then press ready." });
+      dialogs.show({ title: t("home.running"), text: t("home.running_text") });
     } else if (reply.status === "ROBOT_UNAVAILABLE") {
-      dialogs.toast("Your robot does not answer. It has some seconds to come back.");
+      dialogs.toast(t("home.robot_away"));
     } else if (reply.status !== "OK") {
       console.error("playerReady:", reply.body);
       this.#checkSession();
@@ -167,27 +200,30 @@ class Game {
     const sure = await this.#pause(() =>
       dialogs.show({
         kind: "warning",
-        title: "Sign out?",
-        text: "Your robot becomes free for others. If a battle is running, you lose your place in it.",
-        ok: "Sign out",
-        cancel: "Cancel",
+        title: t("home.sure"),
+        text: t("home.sure_text"),
+        ok: t("home.sign_out"),
+        cancel: t("common.cancel"),
       }),
     );
-    if (!sure) {
-      dialogs.toast("You are still signed in.");
-      return;
-    }
+    if (sure) this.#signOut("/");
+    else dialogs.toast(t("home.still"));
+  }
+
+  /** Give the robot back and go to another page. */
+  async #signOut(page) {
     this.#signingOut = true; // the next news of the battle must not hand the controls back
     this.#stopDriving();
     const reply = await api.signOut(this.#me.name).catch(() => null);
     this.#signingOut = false;
     if (reply?.status === "OK") {
-      this.#leave({ kind: "success", title: "Signed out", text: "See you in the arena." }, 1500);
+      this.#leave({ kind: "success", title: t("home.signed_out"), text: t("home.signed_out_text") }, 1500, page);
     } else if (reply?.status === "UNREGISTERED") {
-      this.#leave({ kind: "error", title: "Not logged in", text: `The server does not know “${this.#me.name}”.` }, 1500);
+      const text = t("home.unknown", { name: this.#me.name });
+      this.#leave({ kind: "error", title: t("home.not_logged_in"), text }, 1500, page);
     } else {
-      const text = reply ? (reply.error ?? reply.body) : "The server does not answer.";
-      dialogs.show({ kind: "error", title: "Still signed in", text });
+      const text = reply ? (reply.error ?? reply.body) : t("home.does_not_answer");
+      dialogs.show({ kind: "error", title: t("home.still_signed_in"), text });
     }
   }
 
@@ -201,11 +237,10 @@ class Game {
     const session = await api.session().catch(() => null); // no answer: the heartbeat goes on asking
     if (!session || this.#left) return null;
     if (session.status === "UNREGISTERED") {
-      const text = "The connection to your robot is lost, so you have been signed out.";
-      this.#leave({ kind: "error", title: "Robot lost", text }, 2500);
+      const why = this.#serverWasLost ? "restarted" : "robot_lost";
+      this.#leave({ kind: "error", title: t(`home.${why}`), text: t(`home.${why}_text`) }, 2500);
     } else if (session.status === "QUEUED") {
-      const text = "Your robot has passed on, or it is out of service. You have a place in the queue.";
-      this.#leave({ kind: "info", title: "Your turn is over", text }, 4000);
+      this.#leave({ kind: "info", title: t("home.turn_over"), text: t("home.turn_over_text") }, 4000);
     } else if (session.user !== this.#me.name || session.robot !== this.#me.robot) {
       location.reload(); // another tab of this browser has signed in again
     } else {
@@ -214,15 +249,15 @@ class Game {
     return null;
   }
 
-  /** The end of this page: say why, then back to the login after `ms`. */
-  #leave(message, ms) {
+  /** The end of this page: say why, then to another one after `ms`. */
+  #leave(message, ms, page = "/") {
     this.#left = true;
     clearInterval(this.#timer);
     this.#stopDriving();
     this.#connection.stop();
     storage.forget();
     dialogs.show({ ...message, ok: null });
-    setTimeout(() => location.replace("/"), ms);
+    setTimeout(() => location.replace(page), ms);
   }
 }
 
@@ -232,20 +267,25 @@ async function whoAmI() {
     try {
       return await api.session();
     } catch {
-      view.showConnection(state.connectionState(false, false));
+      view.showConnection(state.connectionState(false, false), null);
       await new Promise((resolve) => setTimeout(resolve, RETRY));
     }
   }
 }
 
-/** The arena's view on the stage, where there is one: it is on the host that served this page. */
-function showArena() {
+/** The arena's picture on the stage, where there is one: it is on the host that served this page. */
+function openArena() {
   const port = document.querySelector("meta[name=view-port]")?.content;
-  if (!port) return;
-  const camera = byId("camera");
-  camera.src = `${location.protocol}//${location.hostname}:${port}/?embedded`;
-  camera.hidden = false;
+  if (!port) return null;
   document.body.classList.add("has-camera");
+  return new ArenaView({
+    frame: byId("camera"),
+    url: `${location.protocol}//${location.hostname}:${port}/?embedded`,
+    onState: (arena) => {
+      document.body.dataset.arena = arena;
+      view.showArenaNote(arena === "live" ? "" : t(`game.arena_${arena}`));
+    },
+  });
 }
 
 async function main() {
@@ -256,7 +296,7 @@ async function main() {
   }
   if (session.status !== "OK") {
     storage.forget();
-    dialogs.show({ kind: "warning", title: "You are not logged in", text: "Back to the login.", ok: null });
+    dialogs.show({ kind: "warning", title: t("home.not_logged_in"), text: t("home.back"), ok: null });
     setTimeout(() => location.replace("/"), 2000);
     return;
   }
@@ -264,13 +304,9 @@ async function main() {
   if (user?.name !== session.user || user.robotN !== session.robot) {
     user = storage.save(session.user, session.robot, 0, new Date());
   }
-  showArena();
-  new Game({ name: session.user, robot: session.robot, avatar: user.imgIndex, date: user.date }).start();
+  new Game({ name: session.user, robot: session.robot, avatar: user.imgIndex, date: user.date }, openArena()).start();
 }
 
-byId("sidebar-toggle").addEventListener("click", (event) => {
-  const hidden = document.body.classList.toggle("no-sidebar");
-  event.currentTarget.setAttribute("aria-expanded", !hidden);
-});
+connectPreferences();
 addEventListener("pageshow", (event) => event.persisted && location.reload()); // the sockets of a restored page are dead
 main();

@@ -1,12 +1,16 @@
 // The login page.
 
 import * as api from "./api.js";
-import * as dialogs from "./dialogs.js";
+import { ArenaView } from "./arena_view.js";
 import { avatarUrl } from "./assets.js";
+import * as dialogs from "./dialogs.js";
 import { setText } from "./dom.js";
+import { help } from "./help.js";
 import { isValidName, loginDialog } from "./login.js";
+import { connectPreferences } from "./preferences.js";
 import { queueText } from "./queue.js";
 import * as storage from "./storage.js";
+import { t } from "./words.js";
 
 const POLL = 1000; // ms between two questions for free robots
 
@@ -26,7 +30,7 @@ let busy = false;
 
 function showAvatar() {
   picture.src = avatarUrl(avatar);
-  picture.alt = `Robot picture ${avatar + 1} of ${storage.AVATARS}`;
+  picture.alt = t("login.picture", { n: avatar + 1, all: storage.AVATARS });
 }
 
 /** Sign up and go to the battle. The reply, also where the page itself says no. */
@@ -56,7 +60,7 @@ async function waitForRobot() {
     await new Promise((resolve) => setTimeout(resolve, POLL));
   }
   if (!take.hidden) {
-    dialogs.show({ kind: "info", title: "The robot has gone to the next one", text: "Press start to wait again." });
+    dialogs.show({ kind: "info", title: t("login.gone"), text: t("login.gone_text") });
   }
   document.body.classList.remove("is-queued");
   queue.hidden = true;
@@ -78,7 +82,7 @@ function showQueue(session) {
   take.hidden = session.offer === null;
 }
 
-/** Ask about a player who is still signed in from this browser. What the server does not know any more is forgotten. */
+/** Who is still signed in from this browser may go on, or give the robot back. What the server does not know any more is forgotten. */
 async function offerRestore() {
   const session = await api.session().catch(() => null);
   if (!session || busy) return;
@@ -91,26 +95,28 @@ async function offerRestore() {
     storage.forget();
     return;
   }
-  const restore = await dialogs.show({
-    title: `You are logged in as “${session.user}”.`,
-    text: `Robot ${session.robot} is still yours. Do you want to go on with this session?`,
-    ok: "OK",
-    cancel: "Cancel",
+  setText(document.getElementById("restore-title"), t("login.restore", { name: session.user }));
+  setText(document.getElementById("restore-text"), t("login.restore_text", { id: String(session.robot) }));
+  showRestore(true);
+  document.getElementById("go-on").focus();
+  document.getElementById("sign-out").addEventListener("click", async () => {
+    await api.signOut(session.user).catch(() => null);
+    storage.forget();
+    showRestore(false);
+    nameField.focus();
   });
-  if (restore) {
-    location.assign("/home");
-    return;
-  }
-  await api.signOut(session.user).catch(() => null);
-  storage.forget();
-  nameField.focus();
+}
+
+function showRestore(is) {
+  document.getElementById("restore").hidden = !is;
+  document.body.classList.toggle("is-restored", is);
 }
 
 /** Offer the `free` robots, and any of them. One that is chosen and gone is offered on: only the server says no. */
 function showChoice(free) {
   const chosen = choice.value;
   const ids = chosen === "" ? free : [...new Set([...free, Number(chosen)])].sort((one, other) => one - other);
-  const options = ids.map((id) => new Option(`Robot ${id}`, String(id)));
+  const options = ids.map((id) => new Option(t("login.robot", { id: String(id) }), String(id)));
   const shown = [...choice.options].slice(1).map((option) => option.value);
   if (shown.join() !== ids.join()) choice.replaceChildren(choice.options[0], ...options);
   choice.value = chosen;
@@ -120,14 +126,15 @@ function showChoice(free) {
 async function showRobots() {
   try {
     const reply = await api.availableRobots();
-    setText(robots, String(reply.availableR));
-    robots.dataset.none = reply.availableR === 0;
+    const n = reply.availableR;
+    setText(robots, n > 0 ? t("login.free", { n }) : t("login.none_free"));
+    robots.dataset.none = n === 0;
+    robots.dataset.count = n;
     showChoice(reply.robots);
     message.hidden = reply.message === "";
     setText(message, reply.message);
     connectionState.hidden = true;
   } catch {
-    setText(robots, "?");
     connectionState.hidden = false;
   }
   setTimeout(showRobots, POLL);
@@ -156,9 +163,22 @@ document.getElementById("leave").addEventListener("click", async () => {
   take.hidden = true; // it is the visitor's own wish
   await api.signOut(nameField.value.trim().normalize("NFC")).catch(() => null);
 });
-document.getElementById("how-to").addEventListener("click", dialogs.help);
+document.getElementById("how-to").addEventListener("click", help);
 addEventListener("pageshow", (event) => event.persisted && location.reload()); // back from home: all may have changed
 
+/** The arena's picture behind the page, where there is one; it stays out of sight until it is there. */
+function openArena() {
+  const port = document.querySelector("meta[name=view-port]")?.content;
+  if (!port) return;
+  new ArenaView({
+    frame: document.getElementById("camera"),
+    url: `${location.protocol}//${location.hostname}:${port}/?embedded`,
+    onState: (arena) => document.body.classList.toggle("has-camera", arena === "live"),
+  });
+}
+
+connectPreferences();
+openArena();
 showAvatar();
 showRobots();
 offerRestore();

@@ -1,5 +1,7 @@
 // The words of the login. Pure.
 
+import { t } from "./words.js";
+
 /** What the server takes as a name: 1 to 16 letters, digits (of any script) and underscores. */
 export function isValidName(name) {
   return /^[\p{L}\p{N}_][\p{L}\p{N}\p{M}_]{0,15}$/u.test(name) && !/\p{Default_Ignorable_Code_Point}/u.test(name);
@@ -9,32 +11,20 @@ export function isValidName(name) {
 export function loginDialog(reply) {
   switch (reply.status) {
     case "BAD_NAME":
-      return {
-        kind: "warning",
-        title: "This name does not work",
-        text: "Use 1 to 16 letters, digits or underscores; no spaces or special characters.",
-      };
+      return { kind: "warning", title: t("login.bad_name"), text: t("login.bad_name_text") };
     case "UNAVAILABLE":
-      return { kind: "info", title: "Name taken", text: `“${reply.user}” is playing already. Please choose another name.` };
+      return { kind: "info", title: t("login.taken"), text: t("login.taken_text", { name: reply.user }) };
     case "NO_ROBOTS":
-      return { kind: "info", title: "The queue is full", text: "Too many people wait for a robot. Try again in some minutes." };
+      return { kind: "info", title: t("login.queue_full"), text: t("login.queue_full_text") };
     case "ROBOT_UNAVAILABLE":
-      return {
-        kind: "info",
-        title: `Robot ${reply.robot} is not free`,
-        text: "Somebody was faster, or others wait for a robot. Choose another one, or any robot.",
-      };
+      return { kind: "info", title: t("login.not_free", { id: reply.robot }), text: t("login.not_free_text") };
     case "NO_STORAGE":
-      return {
-        kind: "error",
-        title: "This browser blocks storage",
-        text: "The game needs local storage. Allow it for this site or use another browser.",
-      };
+      return { kind: "error", title: t("login.no_storage"), text: t("login.no_storage_text") };
     case "NO_ANSWER":
-      return { kind: "error", title: "No answer", text: "The server does not answer. Check the network and try again." };
+      return { kind: "error", title: t("login.no_answer"), text: t("login.no_answer_text") };
     case "ERROR":
-      return { kind: "warning", title: "That does not work", text: reply.error ?? reply.body };
+      return { kind: "warning", title: t("login.not_now"), text: reply.error ?? reply.body };
     default:
-      return { kind: "error", title: "Unknown error", text: reply.error ?? reply.body };
+      return { kind: "error", title: t("login.unknown"), text: reply.error ?? reply.body };
   }
 }

@@ -1,6 +1,8 @@
-// What the state of the battle means to one player: texts, icons, button, ranking. Pure.
+// What the state of the battle means to one player: texts, icons, button. Pure.
 
 import { UNKNOWN_BATTLE } from "./messages.js";
+import { noticeText, saysBattleOver } from "./notice.js";
+import { t } from "./words.js";
 
 /** @typedef {import("./messages.js").Status} Status */
 
@@ -40,49 +42,46 @@ export function mayDrive(status, name) {
 }
 
 /**
- * The line beside "Game Status:" and the smaller one below it.
+ * The line that says how the game stands for this player, and a smaller one below it.
  * @param {string} refusal why this player's commands are refused now, for people
  */
 export function gameText(status, name, refusal = "") {
-  if (status.paused && findUser(status, name)) {
-    return { text: "Paused by the operator", hint: "The clock stands and no robot moves. The game goes on soon." };
-  }
-  const seconds = Math.ceil(status.timeLeft);
+  const phase = phaseOf(status, name);
+  if (status.paused && phase) return { text: t("game.paused"), hint: t("game.paused_hint") };
+  const n = Math.ceil(status.timeLeft);
   const seatLeft = Math.ceil(findUser(status, name)?.seat_left ?? 0);
-  if (seatLeft > 0 && seatLeft <= WARNING) {
-    return { text: "Press ready!", hint: `Others wait: in ${seatLeft} s your robot passes on.` };
-  }
-  switch (phaseOf(status, name)) {
-    case "idle":
-      if (status.practice) return { text: "Press ready to start!", hint: "Until the battle you can try out your robot." };
-      return { text: "Press ready to start!", hint: status.notice || "The battle begins when two players are ready." };
+  if (seatLeft > 0 && seatLeft <= WARNING) return { text: t("game.seat"), hint: t("game.seat_hint", { n: seatLeft }) };
+  const notice = noticeText(status.notice);
+  switch (phase) {
+    case "idle": {
+      const news = saysBattleOver(status.notice) ? "" : notice; // the end of a battle of others is none
+      return { text: t("game.idle"), hint: status.practice ? t("game.practice") : news || t("game.idle_hint") };
+    }
     case "waiting":
-      return { text: "Waiting for other players...", hint: status.notice || "One more ready player starts the countdown." };
+      return { text: t("game.waiting"), hint: (!saysBattleOver(status.notice) && notice) || t("game.waiting_hint") };
     case "over":
-      return { text: "Game over. Press ready to start again.", hint: status.notice };
+      return { text: t("game.over"), hint: notice };
     case "countdown":
-      return { text: `${seconds} sec to start.`, hint: "Fingers on the controls." };
+      return { text: t("game.countdown", { n }), hint: t("game.countdown_hint") };
     case "joinable":
-      return { text: `${seconds} sec to start.`, hint: "Press ready to join this battle." };
+      return { text: t("game.countdown", { n }), hint: t("game.joinable_hint") };
     case "playing":
-      if (refusal) return { text: "Your robot does not obey", hint: refusal };
-      return { text: "PLAY!", hint: "Hit the others, dodge their lasers." };
+      if (refusal) return { text: t("game.refused"), hint: refusal };
+      return { text: t("game.playing"), hint: t("game.playing_hint") };
     case "out":
-      return { text: "You are out: watch the others.", hint: "The ranking comes at the end of the battle." };
+      return { text: t("game.out"), hint: t("game.out_hint") };
     case "watching":
-      return { text: "The game has started without you.", hint: "You can join the next one." };
+      return { text: t("game.watching"), hint: t("game.watching_hint") };
     default:
-      return { text: "Looking for your robot...", hint: "" };
+      return { text: t("game.looking"), hint: "" };
   }
 }
 
 /** Why rosbridge refuses the commands of a player in a battle, for people. `reason` is rosbridge's. */
 export function refusalText(reason) {
-  if (reason.includes("only signed-in players")) {
-    return "This page is not signed in to it. The page tries again; if that does not help, reload it.";
-  }
-  if (reason.includes("referee")) return "The referee is silent, so all robots stand still. Wait a moment.";
-  return `Its commands are refused: ${reason}.`;
+  if (reason.includes("only signed-in players")) return t("game.not_signed_in");
+  if (reason.includes("referee")) return t("game.no_referee");
+  return t("game.refused_because", { reason });
 }
 
 /** Seconds as a clock, "4:05". */
@@ -91,21 +90,21 @@ export function clockText(seconds) {
   return `${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}`;
 }
 
-/** The ready button. Whoever is ready in the countdown stays so; nobody changes it in a battle. */
+/**
+ * The ready button: there is none for whom it would change nothing. Whoever is ready in the countdown stays so; nobody
+ * changes it in a battle.
+ */
 export function readyButton(status, name) {
   const ready = findUser(status, name)?.ready ?? false;
-  return {
-    ready,
-    text: ready ? "Ready!" : "Ready",
-    disabled: status.game === PLAYING || (status.game === COUNTDOWN && ready),
-  };
+  const useless = status.game === PLAYING || (status.game === COUNTDOWN && ready);
+  return { ready, text: t(ready ? "game.is_ready" : "game.ready"), hidden: useless };
 }
 
-/** The icon of another player: its symbol, colour and meaning in words. */
-export function userIcon(user, game) {
-  if (!user.ready) return { symbol: "pause", color: "#f4bc42", meaning: "not ready" };
-  if (user.life === 0 && game === PLAYING) return { symbol: "times", color: "#d33724", meaning: "out" };
-  return { symbol: "play", color: "#00a65a", meaning: game === PLAYING ? "fighting" : "ready" };
+/** How a player stands: the symbol and its meaning in words. */
+export function userSign(user, game) {
+  if (!user.ready) return { symbol: "pause", meaning: t("game.sign_not_ready") };
+  if (user.life === 0 && game === PLAYING) return { symbol: "times", meaning: t("game.sign_out") };
+  return { symbol: "play", meaning: t(game === PLAYING ? "game.sign_fighting" : "game.sign_ready") };
 }
 
 /** Everybody but this player, best first. */
@@ -126,31 +125,6 @@ export function hasEnded(previous, current, name) {
   return isNews && current.result.some((entry) => entry.name === name && !entry.left);
 }
 
-/**
- * The ranking for people, by the server's result.
- * @param {import("./messages.js").Player[]} result
- * @returns {{title: string, text: string, won: boolean, rows: {place: number, name: string, note: string, avatar: number,
- *   isMe: boolean}[]}}
- */
-export function ranking(result, name) {
-  const mine = result.find((entry) => entry.name === name);
-  const first = mine.place === 1;
-  const tied = result.some((entry) => entry.name !== name && entry.place === mine.place);
-  const title = first ? (tied ? "DRAW!" : "YOU WIN!") : "YOU LOST!";
-  return {
-    title,
-    text: tied ? `You share place ${mine.place}.` : `Your place is ${mine.place}.`,
-    won: first,
-    rows: result.map((entry) => ({
-      place: entry.place,
-      name: entry.name,
-      note: entry.left ? "left" : `${entry.life}%`,
-      avatar: entry.avatar,
-      isMe: entry.name === name,
-    })),
-  };
-}
-
 /** What a screen reader says when `current` follows `previous`; empty when nothing worth saying has changed. */
 export function announcement(previous, current, name) {
   const phase = phaseOf(current, name);
@@ -160,7 +134,7 @@ export function announcement(previous, current, name) {
     return `${text} ${hint}`.trim();
   }
   const lost = lifeLost(previous, current, name);
-  return lost > 0 ? `Hit! Life ${findUser(current, name).life} percent.` : "";
+  return lost > 0 ? t("game.hit", { life: findUser(current, name).life }) : "";
 }
 
 /** Life that this player has lost between two states of one battle. */
@@ -178,19 +152,8 @@ export function lifeLost(previous, current, name) {
  * @returns {{level: "ok"|"warn"|"bad", text: string, banner: string}}
  */
 export function connectionState(bridge, web) {
-  if (!web) {
-    return {
-      level: "bad",
-      text: "Reconnecting...",
-      banner: "The server does not answer. The page keeps trying; your robot stays yours for a while.",
-    };
-  }
-  if (!bridge) {
-    return {
-      level: "warn",
-      text: "Reconnecting...",
-      banner: "The connection to your robot is down. The page keeps trying; until then you cannot drive.",
-    };
-  }
-  return { level: "ok", text: "Online", banner: "" };
+  const text = t("game.reconnecting");
+  if (!web) return { level: "bad", text, banner: t("game.no_server") };
+  if (!bridge) return { level: "warn", text, banner: t("game.no_bridge") };
+  return { level: "ok", text: t("game.online"), banner: "" };
 }

@@ -1,41 +1,44 @@
-// The home page's elements, set from the state. It keeps nothing but what is needed to change as little as possible.
+// The game page's elements, set from the state. It keeps nothing but what is needed to change as little as possible.
 
 import { avatarUrl } from "./assets.js";
 import { element, icon, setLife, setText } from "./dom.js";
-import * as effects from "./effects.js";
 import * as state from "./state.js";
+import { number, percent, t } from "./words.js";
 
 const byId = (id) => document.getElementById(id);
 
-/** Names, robot, picture and date of the player, wherever the page shows them. */
+/** Name, robot, picture and date of the player, wherever the page shows them. */
 export function showPlayer({ name, robot, avatar, date }) {
   const set = (selector, text) => document.querySelectorAll(selector).forEach((node) => setText(node, text));
   set(".username", name);
-  set(".robotN", `Robot ${robot}`);
-  set(".date", `Logged in: ${date}`);
-  for (const picture of document.querySelectorAll(".userImage")) {
-    if (picture.getAttribute("src") !== avatarUrl(avatar)) picture.src = avatarUrl(avatar);
-  }
+  set(".robotN", t("home.robot", { id: String(robot) }));
+  set(".date", t("home.logged_in", { date }));
+  for (const picture of document.querySelectorAll(".userImage")) setPicture(picture, avatar);
 }
 
 /** Everything that depends on the state of the battle; `refusal` is why commands are refused now, for people. */
 export function showStatus(status, name, refusal) {
-  const phase = state.phaseOf(status, name);
+  const phase = state.phaseOf(status, name) ?? "idle";
   const { text, hint } = state.gameText(status, name, refusal);
-  document.body.dataset.phase = phase ?? "idle";
+  document.body.dataset.phase = phase;
   document.body.dataset.paused = status.paused;
+  document.body.dataset.refused = Boolean(refusal);
   const message = byId("message");
   message.hidden = status.message === "";
   setText(message, status.message);
   setText(byId("game-status"), text);
   setText(byId("game-hint"), hint);
-  document.querySelector(".hud").classList.toggle("is-refused", Boolean(refusal));
   showClock(status);
-  showCountdown(status);
   showReadyButton(state.readyButton(status, name));
   const me = state.findUser(status, name);
   if (me) showOwnLife(me.life);
-  showOthers(status, name);
+  const others = state.others(status, name);
+  byId("nobody").hidden = others.length > 0;
+  const waiting = byId("waiting");
+  waiting.hidden = status.queue === 0;
+  if (status.queue > 0) setText(waiting, t("home.queue", { n: status.queue }));
+  showRows(byId("userList"), others, makeRival, (row, user) => fillRival(row, user, status.game));
+  showRows(byId("seats"), status.users, makeSeat, (seat, user) => fillSeat(seat, user, status.game, name));
 }
 
 function showClock(status) {
@@ -46,92 +49,116 @@ function showClock(status) {
   clock.dataset.last = status.timeLeft <= 30;
 }
 
-function showCountdown(status) {
-  const number = byId("countdown");
-  number.hidden = status.game !== state.COUNTDOWN;
-  if (number.hidden) return;
-  const seconds = String(Math.ceil(status.timeLeft));
-  if (number.textContent === seconds) return;
-  number.textContent = seconds;
-  effects.count(number);
+/** The seconds to the start, over the whole picture. @returns {boolean} whether a new one has begun */
+export function showCountdown(status) {
+  const shown = byId("countdown");
+  shown.hidden = status.game !== state.COUNTDOWN;
+  const seconds = shown.hidden ? "" : number(Math.ceil(status.timeLeft));
+  if (shown.textContent === seconds) return false;
+  shown.textContent = seconds;
+  return !shown.hidden;
 }
 
-function showReadyButton({ ready, text, disabled }) {
+function showReadyButton({ ready, text, hidden }) {
   const button = byId("ready-btn");
   setText(button.querySelector("span"), text);
   button.dataset.ready = ready;
   button.setAttribute("aria-pressed", ready);
-  if (disabled && document.activeElement === button) button.blur(); // a disabled button would keep the keys to itself
-  button.disabled = disabled;
+  if (hidden && document.activeElement === button) button.blur(); // a hidden button would keep the keys to itself
+  button.hidden = hidden;
 }
 
 function showOwnLife(life) {
   const box = byId("userLife");
-  setText(box.querySelector(".life-value"), `LIFE ${life}%`);
+  setText(box.querySelector(".life-value"), t("home.life", { life }));
   setLife(box.querySelector("[role=progressbar]"), life);
 }
 
-function showOthers(status, name) {
-  const list = byId("userList");
-  const others = state.others(status, name);
-  byId("nobody").hidden = others.length > 0;
-  setText(byId("user-count"), String(status.users.length));
-  const rows = new Map([...list.children].map((row) => [row.dataset.name, row]));
-  const wanted = others.map((user) => {
-    const row = rows.get(user.name) ?? makeRow(user.name);
-    fillRow(row, user, status.game);
+/** Make the list's children those of `users`, each kept by name; only what has changed is touched. */
+function showRows(parent, users, make, fill) {
+  const rows = new Map([...parent.children].map((row) => [row.dataset.name, row]));
+  const wanted = users.map((user) => {
+    const row = rows.get(user.name) ?? make(user.name);
+    row.dataset.name = user.name;
+    fill(row, user);
     return row;
   });
-  if (wanted.length !== list.children.length || wanted.some((row, index) => list.children[index] !== row)) {
-    list.replaceChildren(...wanted);
-  }
+  const isSame = wanted.length === parent.children.length && wanted.every((row, index) => parent.children[index] === row);
+  if (!isSame) parent.replaceChildren(...wanted);
 }
 
-function makeRow(name) {
+function makeRival(name) {
   const bar = element("div", { className: "bar" }, element("div", { className: "bar-fill" }));
-  bar.setAttribute("role", "progressbar");
-  bar.setAttribute("aria-valuemin", "0");
-  bar.setAttribute("aria-valuemax", "100");
-  bar.setAttribute("aria-label", `Life of ${name}`);
-  const row = element(
+  const values = { role: "progressbar", "aria-valuemin": "0", "aria-valuemax": "100", "aria-label": t("home.life_of", { name }) };
+  for (const [attribute, value] of Object.entries(values)) bar.setAttribute(attribute, value);
+  return element(
     "li",
-    { className: "user" },
-    element("img", { className: "user-picture", alt: "", width: 40, height: 40 }),
-    element("span", { className: "user-icon" }),
+    { className: "rival" },
+    element("img", { alt: "", width: 36, height: 36 }),
     element("strong", { className: "user-name" }, name),
-    element("span", { className: "user-robot" }),
     element("span", { className: "badge" }),
+    element("span", { className: "user-sign" }),
     bar,
   );
-  row.dataset.name = name;
-  return row;
 }
 
-function fillRow(row, user, game) {
-  const picture = row.querySelector(".user-picture");
-  if (picture.getAttribute("src") !== avatarUrl(user.avatar)) picture.src = avatarUrl(user.avatar);
-  const sign = state.userIcon(user, game);
-  const box = row.querySelector(".user-icon");
-  if (box.title !== sign.meaning) {
-    box.title = sign.meaning;
-    box.style.color = sign.color;
-    box.replaceChildren(icon(sign.symbol), element("span", { className: "visually-hidden" }, sign.meaning));
-  }
-  row.classList.toggle("is-out", sign.symbol === "times");
-  setText(row.querySelector(".user-robot"), `Robot ${user.robot}`);
-  setText(row.querySelector(".badge"), `${user.life}%`);
+function fillRival(row, user, game) {
+  setPicture(row.querySelector("img"), user.avatar);
+  const sign = setSign(row.querySelector(".user-sign"), user, game);
+  row.classList.toggle("is-out", sign === "times");
+  setText(row.querySelector(".badge"), percent(user.life));
   setLife(row.querySelector(".bar"), user.life);
 }
 
-/** The state of the connection and, when something is wrong, the banner that says what. */
-export function showConnection({ level, text, banner }) {
+function makeSeat(name) {
+  return element(
+    "li",
+    { className: "seat" },
+    element("img", { alt: "", width: 72, height: 72 }),
+    element("strong", { className: "user-name" }, name),
+    element("span", { className: "user-sign" }),
+  );
+}
+
+function fillSeat(seat, user, game, name) {
+  setPicture(seat.querySelector("img"), user.avatar);
+  setSign(seat.querySelector(".user-sign"), user, game);
+  seat.classList.toggle("is-ready", user.ready);
+  seat.classList.toggle("is-me", user.name === name);
+}
+
+function setSign(box, user, game) {
+  const { symbol, meaning } = state.userSign(user, game);
+  if (box.title !== meaning) {
+    box.title = meaning;
+    box.dataset.sign = symbol;
+    box.replaceChildren(icon(symbol), element("span", { className: "visually-hidden" }, meaning));
+  }
+  return symbol;
+}
+
+function setPicture(picture, avatar) {
+  if (picture.getAttribute("src") !== avatarUrl(avatar)) picture.src = avatarUrl(avatar);
+}
+
+/** The state of the connection with its quality and, when something is wrong, the banner that says what. */
+export function showConnection({ level, text, banner }, quality) {
   const box = byId("connection-state");
-  box.dataset.level = level;
-  setText(box.querySelector("span"), text);
+  box.dataset.level = level === "ok" && quality ? quality.level : level;
+  setText(box.querySelector(".connection-text"), text);
+  const isMeasured = level === "ok" && quality !== null;
+  setText(box.querySelector(".round-trip"), isMeasured ? `${number(quality.ms)} ms` : "");
   const line = byId("banner");
   line.hidden = banner === "";
   line.dataset.level = level;
   setText(line, banner);
+}
+
+/** What the player is told of the arena's picture; empty while it lives. */
+export function showArenaNote(text) {
+  const note = byId("arena-note");
+  note.hidden = text === "";
+  setText(note, text);
 }
 
 /** Light up what is held: key caps, pad and the robot on the stage. */
@@ -145,27 +172,4 @@ export function showHeld(actions) {
 /** Said by screen readers. */
 export function announce(text) {
   if (text) byId("announcer").textContent = text;
-}
-
-/** The ranking as a list for a dialog. */
-export function rankingList(rows) {
-  return element(
-    "div",
-    { className: "ranking" },
-    element("p", { className: "label" }, "Ranking:"),
-    element(
-      "ol",
-      {},
-      ...rows.map((row) =>
-        element(
-          "li",
-          { className: row.isMe ? "is-me" : "", value: row.place },
-          element("span", { className: "place" }, `${row.place}`),
-          element("img", { src: avatarUrl(row.avatar), alt: "", width: 32, height: 32 }),
-          element("strong", {}, row.name),
-          element("span", { className: "note" }, row.note),
-        ),
-      ),
-    ),
-  );
 }

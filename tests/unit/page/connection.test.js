@@ -10,7 +10,8 @@ const FORWARD = { linear_x: 1, angular_z: 0, shoot: false };
 
 const TICKET = { user: "al", ticket: "12.ab" };
 
-let server, port, heard, statuses, changes, refusals, connection;
+let answers = true; // whether that rosbridge answers calls
+let server, port, heard, statuses, changes, refusals, roundTrips, calls, connection;
 
 /** A rosbridge that keeps what it hears and answers a subscription with one state. */
 async function listen() {
@@ -18,6 +19,12 @@ async function listen() {
   server.on("connection", (socket) =>
     socket.on("message", (data) => {
       const operation = JSON.parse(data);
+      if (operation.op === "call_service") {
+        calls.push(operation.service);
+        const { id, service } = operation;
+        if (answers) socket.send(JSON.stringify({ op: "service_response", id, service, values: {}, result: true }));
+        return;
+      }
       heard.push(operation);
       if (operation.op !== "subscribe") return;
       socket.send(JSON.stringify({ op: "publish", topic: operation.topic, msg: message({ battle: 3 }) }));
@@ -44,12 +51,13 @@ const operations = (op) => heard.filter((operation) => operation.op === op);
 /** A started connection whose page gets its tickets from `getTicket`. */
 async function connect(getTicket = async () => TICKET) {
   connection?.stop();
-  [heard, statuses, changes, refusals] = [[], [], [], []];
+  [heard, statuses, changes, refusals, roundTrips, calls] = [[], [], [], [], [], []];
   connection = new Connection({
     url: `ws://127.0.0.1:${port}`,
     onStatus: (status) => statuses.push(status),
     onChange: (up) => changes.push(up),
     onRefusal: (reason) => refusals.push(reason),
+    onRoundTrip: (ms) => roundTrips.push(ms),
     getTicket,
   });
   connection.start();
@@ -169,4 +177,23 @@ test("a stopped connection stays down", async () => {
   assert.equal(connection.up, false);
   assert.equal(connection.publish(3, NEUTRAL), false);
   await until(() => server.clients.size === 0, "the socket's end");
+});
+
+test("the way to rosbridge and back is measured as soon as the page is signed in", async () => {
+  await connect();
+  await until(() => roundTrips.length > 0, "a measurement");
+  assert.deepEqual(calls, ["/rosapi/get_time"]);
+  assert.ok(roundTrips[0] > 0 && roundTrips[0] < 10_000);
+});
+
+test("an answer that does not come is told as a way that grows longer", async () => {
+  answers = false;
+  try {
+    await connect();
+    await until(() => roundTrips.length > 0, "the second look");
+    assert.ok(roundTrips[0] >= 1900);
+    assert.equal(calls.length, 1, "it is asked once");
+  } finally {
+    answers = true;
+  }
 });

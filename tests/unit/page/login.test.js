@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { isValidName, loginDialog } from "../../../server/static/js/login.js";
+import "./samples.js";
 
 test("names are 1 to 16 letters, digits and underscores", () => {
   for (const name of ["a", "Ann_7", "_", "0123456789abcdef", "Jörg", "日本", "हिन्दी"]) assert.ok(isValidName(name), name);

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import "./samples.js";
 import * as words from "../../../server/static/js/operator_words.js";
 
 const game = (values) => ({ state: "stopped", paused: false, time_left: 0, battle: 3, notice: "", message: "", ...values });

@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { queueText, waitText } from "../../../server/static/js/queue.js";
+import "./samples.js";
 
 test("who waits learns the place and about how long it takes", () => {
   assert.match(queueText({ place: 1, offer: null, seconds: 100 }).title, /next/);

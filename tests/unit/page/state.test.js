@@ -50,11 +50,17 @@ test("after the battle its players see that it is over until they are ready agai
   const over = { result: [player("Ann", { place: 1 })], notice: "Battle over: Bob was shot down." };
   assert.deepEqual(text(over), { text: "Game over. Press ready to start again.", hint: "Battle over: Bob was shot down." });
   assert.equal(text(over, ready).text, "Waiting for other players...");
-  assert.equal(text({ result: [player("Bob")] }).text, "Press ready to start!", "who has not played it");
+});
+
+test("who has not fought in a battle does not read how it ended", () => {
+  const { text: line, hint } = text({ result: [player("Bob")], notice: "Battle over: Bob was shot down." });
+  assert.equal(line, "Press ready to start!");
+  assert.doesNotMatch(hint, /Bob/);
 });
 
 test("the server's reason for a stopped countdown is shown", () => {
-  assert.equal(text({ notice: "Countdown stopped." }).hint, "Countdown stopped.");
+  const notice = "Countdown stopped: Bob signed out, fewer than two players are ready.";
+  assert.equal(text({ notice }).hint, notice);
 });
 
 test("a player who is not in the status has no phase and cannot drive", () => {
@@ -89,29 +95,29 @@ test("a screen reader hears the pause and its end", () => {
 
 test("the ready button toggles while the game stands still", () => {
   const button = (game, me) => state.readyButton(status({ game, users: [player("Ann", me)] }), "Ann");
-  assert.deepEqual(button(0, {}), { ready: false, text: "Ready", disabled: false });
-  assert.deepEqual(button(0, ready), { ready: true, text: "Ready!", disabled: false });
+  assert.deepEqual(button(0, {}), { ready: false, text: "Ready", hidden: false });
+  assert.deepEqual(button(0, ready), { ready: true, text: "Ready!", hidden: false });
 });
 
-test("the ready button is closed for the ready in the countdown, and for all in the battle", () => {
-  const closed = (game, me) => state.readyButton(status({ game, users: [player("Ann", me)] }), "Ann").disabled;
-  assert.equal(closed(1, {}), false);
-  assert.equal(closed(1, ready), true);
-  assert.equal(closed(2, {}), true);
-  assert.equal(closed(2, ready), true);
+test("there is no ready button for the ready in the countdown, and for all in the battle", () => {
+  const hidden = (game, me) => state.readyButton(status({ game, users: [player("Ann", me)] }), "Ann").hidden;
+  assert.equal(hidden(1, {}), false);
+  assert.equal(hidden(1, ready), true);
+  assert.equal(hidden(2, {}), true);
+  assert.equal(hidden(2, ready), true);
 });
 
-test("icons tell ready, out and not ready", () => {
-  const icon = (user, game) => {
-    const { symbol, color } = state.userIcon(player("Bob", user), game);
-    return [symbol, color];
+test("signs tell ready, out and not ready", () => {
+  const sign = (user, game) => {
+    const { symbol, meaning } = state.userSign(player("Bob", user), game);
+    return [symbol, meaning];
   };
-  assert.deepEqual(icon(ready, 0), ["play", "#00a65a"]);
-  assert.deepEqual(icon(ready, 2), ["play", "#00a65a"]);
-  assert.deepEqual(icon({ ready: true, life: 0 }, 1), ["play", "#00a65a"]);
-  assert.deepEqual(icon({ ready: true, life: 0 }, 2), ["times", "#d33724"]);
-  assert.deepEqual(icon({ life: 0 }, 2), ["pause", "#f4bc42"]);
-  assert.deepEqual(icon({}, 0), ["pause", "#f4bc42"]);
+  assert.deepEqual(sign(ready, 0), ["play", "ready"]);
+  assert.deepEqual(sign(ready, 2), ["play", "fighting"]);
+  assert.deepEqual(sign({ ready: true, life: 0 }, 1), ["play", "ready"]);
+  assert.deepEqual(sign({ ready: true, life: 0 }, 2), ["times", "out"]);
+  assert.deepEqual(sign({ life: 0 }, 2), ["pause", "not ready"]);
+  assert.deepEqual(sign({}, 0), ["pause", "not ready"]);
 });
 
 test("the list shows the others in the server's order", () => {
@@ -124,27 +130,6 @@ const result = [
   player("Ann", { place: 2, life: 0 }),
   player("Zed", { place: 3, life: 70, left: true }),
 ];
-
-test("the first wins, everybody else loses at his place", () => {
-  const won = state.ranking(result, "Bob");
-  assert.deepEqual([won.title, won.text, won.won], ["YOU WIN!", "Your place is 1.", true]);
-  const lost = state.ranking(result, "Ann");
-  assert.deepEqual([lost.title, lost.text, lost.won], ["YOU LOST!", "Your place is 2.", false]);
-});
-
-test("the ranking lists everybody, survivors and quitters too", () => {
-  assert.deepEqual(state.ranking(result, "Ann").rows, [
-    { place: 1, name: "Bob", note: "40%", avatar: 3, isMe: false },
-    { place: 2, name: "Ann", note: "0%", avatar: 0, isMe: true },
-    { place: 3, name: "Zed", note: "left", avatar: 0, isMe: false },
-  ]);
-});
-
-test("who shares the first place has a draw, who shares another has lost", () => {
-  const tied = [player("Ann", { place: 1 }), player("Bob", { place: 1 }), player("Eve", { place: 3 }), player("Zed", { place: 3 })];
-  assert.deepEqual([state.ranking(tied, "Ann").title, state.ranking(tied, "Ann").text], ["DRAW!", "You share place 1."]);
-  assert.deepEqual([state.ranking(tied, "Eve").title, state.ranking(tied, "Eve").text], ["YOU LOST!", "You share place 3."]);
-});
 
 const users = [player("Ann"), player("Bob")];
 const playing = status({ game: 2, battle: 4, users });

@@ -1,0 +1,4 @@
+export class ArenaView {
+  constructor({ frame, url }) { frame.src = url; frame.hidden = false; }
+  show() {}
+}
