@@ -39,12 +39,12 @@ def screenshots() -> Path:
 
 
 @pytest.fixture
-def person(chromium: Browser, battle: Battle) -> Iterator[Callable[[str], Person]]:
+def person(chromium: Browser, battle: Battle) -> Iterator[Callable[..., Person]]:
     """Makes people in the module's `battle`; they are signed out and gone after the test."""
     people: list[Person] = []
 
-    def make(name: str) -> Person:
-        people.append(Person(chromium, battle, name))
+    def make(name: str, *, policy: bool = True) -> Person:
+        people.append(Person(chromium, battle, name, policy=policy))
         return people[-1]
 
     yield make

@@ -16,9 +16,12 @@ ARROWS = {
 class Person:
     """Somebody at a browser of their own."""
 
-    def __init__(self, chromium: Browser, battle: Battle, name: str) -> None:
+    def __init__(self, chromium: Browser, battle: Battle, name: str, *, policy: bool = True) -> None:
+        """`policy`: whether the browser heeds the pages' Content-Security-Policy."""
         self.name = name
-        self.context: BrowserContext = chromium.new_context(viewport={"width": 1280, "height": 800})
+        self.context: BrowserContext = chromium.new_context(
+            viewport={"width": 1280, "height": 800}, bypass_csp=not policy
+        )
         self.page: Page = self.context.new_page()
         self.complaints: list[str] = []
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))

@@ -198,9 +198,9 @@ def test_a_window_that_loses_the_focus_stops_the_robot_though_the_key_is_held(
 
 
 def test_a_socket_without_the_cookie_is_signed_in_and_until_then_its_player_is_told(
-    person: Callable[[str], Person], battle: Battle
+    person: Callable[..., Person], battle: Battle
 ) -> None:
-    ann = person("Ann")
+    ann = person("Ann", policy=False)  # which allows no WebSocket to another host
     ann.page.add_init_script(NO_COOKIE)
     ann.log_in()
     with Player(battle, "Bob") as bob, Eyes(battle) as eyes:

@@ -122,7 +122,6 @@ class Game {
       return;
     }
     this.#status = status;
-    this.#serverWasLost = false;
     if (state.mayDrive(status, name) && !this.#signingOut) this.#driver.start();
     else this.#stopDriving();
     if (me.avatar !== this.#me.avatar && this.#connection.up) this.#me.avatar = me.avatar;
@@ -244,6 +243,7 @@ class Game {
     } else if (session.user !== this.#me.name || session.robot !== this.#me.robot) {
       location.reload(); // another tab of this browser has signed in again
     } else {
+      this.#serverWasLost = false;
       return session;
     }
     return null;
