@@ -18,6 +18,7 @@ FLAGS = [
     "--disable-background-networking",
     "--disable-component-update",
     "--disable-sync",
+    "--disable-audio-output",  # a clock that eats the sound; PulseAudio would leave its files behind
 ]
 
 

@@ -1,14 +1,21 @@
-// Keyboard and touch, as the driver's sources of actions.
+// The keyboard as the driver's source of actions, and when all is let go.
 
 import * as dialogs from "./dialogs.js";
-import { actionOf, padActions } from "./keys.js";
+import { actionOf } from "./keys.js";
+import { connectFire, connectPad } from "./touch.js";
+
+export { connectFire, connectPad };
 
 /** Connect the page's controls to `driver`; `onChange` is called after each change of what is held. */
 export function connectControls(driver, onChange) {
   connectKeyboard(window, driver, onChange);
   connectPad(document.getElementById("pad"), driver, onChange);
   connectFire(document.getElementById("fire"), driver, onChange);
+  connectLetGo(driver, onChange);
+}
 
+/** Everything is let go when the page does not hear of releases any more; a finger on the screen makes it a touch page. */
+export function connectLetGo(driver, onChange) {
   const letGo = () => {
     driver.releaseAll();
     onChange();
@@ -47,44 +54,4 @@ export function connectKeyboard(target, driver, onChange) {
     driver.release(source(event));
     onChange();
   });
-}
-
-/** One element for all directions, so that a thumb can slide from one to the next. */
-export function connectPad(pad, driver, onChange) {
-  const source = (event) => `pad ${event.pointerId}`;
-  const hold = (event) => {
-    const box = pad.getBoundingClientRect();
-    const x = (event.clientX - box.left) / (box.width / 2) - 1;
-    const y = (event.clientY - box.top) / (box.height / 2) - 1;
-    driver.hold(source(event), padActions(x, y));
-    onChange();
-  };
-  connectPointer(pad, hold, (event) => {
-    driver.release(source(event));
-    onChange();
-  });
-  pad.addEventListener("pointermove", (event) => pad.hasPointerCapture(event.pointerId) && hold(event));
-}
-
-/** A button that fires while it is held. */
-export function connectFire(button, driver, onChange) {
-  const source = (event) => `fire ${event.pointerId}`;
-  const hold = (event) => {
-    driver.hold(source(event), ["shoot"]);
-    onChange();
-  };
-  connectPointer(button, hold, (event) => {
-    driver.release(source(event));
-    onChange();
-  });
-}
-
-function connectPointer(target, onDown, onUp) {
-  target.addEventListener("pointerdown", (event) => {
-    event.preventDefault();
-    target.setPointerCapture(event.pointerId); // the release is heard wherever the finger is by then
-    onDown(event);
-  });
-  target.addEventListener("lostpointercapture", onUp); // up and cancel both end with it
-  target.addEventListener("contextmenu", (event) => event.preventDefault()); // a long press
 }

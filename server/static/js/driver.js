@@ -17,6 +17,7 @@ export class Driver {
   #command = NEUTRAL;
   #driving = false;
   #cancelStream = null;
+  #watchers = [];
 
   /**
    * @param {object} wiring
@@ -34,11 +35,17 @@ export class Driver {
     return this.#driving;
   }
 
+  /** `watcher` is called with true when the right to drive begins, with false when it ends. */
+  watch(watcher) {
+    this.#watchers.push(watcher);
+  }
+
   /** The right to drive begins. Nothing is held yet: a key pressed before does not count. */
   start() {
     if (this.#driving) return;
     this.#driving = true;
     this.#send(NEUTRAL);
+    this.#tell();
   }
 
   /** The right to drive ends. */
@@ -49,6 +56,7 @@ export class Driver {
     this.#endStream();
     this.#command = NEUTRAL;
     this.#send(NEUTRAL);
+    this.#tell();
   }
 
   /**
@@ -75,6 +83,10 @@ export class Driver {
   /** The actions that are held now. */
   get actions() {
     return new Set([...this.#held.values()].flat());
+  }
+
+  #tell() {
+    for (const watcher of this.#watchers) watcher(this.#driving);
   }
 
   #update() {

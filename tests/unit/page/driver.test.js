@@ -187,3 +187,14 @@ test("to start twice is to start once", () => {
   assert.deepEqual(taken(), []);
   assert.deepEqual(driver.actions, new Set(["up"]));
 });
+
+test("whoever watches hears when the right to drive begins and ends, once each", () => {
+  const told = [];
+  driver.watch((driving) => told.push([driving, driver.driving]));
+  driver.stop();
+  driver.start();
+  driver.start();
+  driver.stop();
+  driver.stop();
+  assert.deepEqual(told, [[true, true], [false, false]]);
+});
