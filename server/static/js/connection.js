@@ -34,7 +34,7 @@ export class Connection {
    * @param {(message: object) => void} wiring.onStatus gets each laser_bot_battle/GameStatus
    * @param {(up: boolean) => void} wiring.onChange
    * @param {(reason: string) => void} wiring.onRefusal rosbridge refuses a command
-   * @param {(ms: number) => void} wiring.onRoundTrip how long rosbridge takes to answer, or how long it has not
+   * @param {(ms: number) => void} [wiring.onRoundTrip] how long rosbridge takes to answer, or how long it has not
    * @param {() => Promise<{user: string, ticket: string}|null>} wiring.getTicket for the player of this page
    */
   constructor({ url, onStatus, onChange, onRefusal, onRoundTrip, getTicket }) {
@@ -114,6 +114,7 @@ export class Connection {
       Promise.race([this.signIn(), timeout]).then(() => {
         if (ros !== this.#ros) return;
         this.#mayPublish = true;
+        if (!this.#onRoundTrip) return;
         this.#probe();
         this.#prober = setInterval(() => this.#probe(), PROBE);
       });

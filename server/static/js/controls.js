@@ -2,17 +2,6 @@
 
 import * as dialogs from "./dialogs.js";
 import { actionOf } from "./keys.js";
-import { connectFire, connectPad } from "./touch.js";
-
-export { connectFire, connectPad };
-
-/** Connect the page's controls to `driver`; `onChange` is called after each change of what is held. */
-export function connectControls(driver, onChange) {
-  connectKeyboard(window, driver, onChange);
-  connectPad(document.getElementById("pad"), driver, onChange);
-  connectFire(document.getElementById("fire"), driver, onChange);
-  connectLetGo(driver, onChange);
-}
 
 /** Everything is let go when the page does not hear of releases any more; a finger on the screen makes it a touch page. */
 export function connectLetGo(driver, onChange) {

@@ -4,18 +4,23 @@ import * as api from "./api.js";
 import { ArenaView } from "./arena_view.js";
 import { avatarUrl } from "./assets.js";
 import { Connection } from "./connection.js";
-import { connectControls } from "./controls.js";
 import * as dialogs from "./dialogs.js";
 import { Driver } from "./driver.js";
-import * as effects from "./effects.js";
+import { Laser, count } from "./effects.js";
+import { Feel } from "./feel.js";
 import { FeedList } from "./feed_words.js";
+import { connectGame } from "./game_controls.js";
+import { connectSwitches, settingsForm } from "./game_settings.js";
 import { Heartbeat } from "./heartbeat.js";
 import { help } from "./help.js";
+import { makeJolt, vibrate } from "./jolt.js";
 import { LinkQuality } from "./link.js";
 import { fromReply, fromTopic } from "./messages.js";
 import { playersShown } from "./players.js";
 import { connectPreferences } from "./preferences.js";
+import { Preferences } from "./preferences_store.js";
 import { showResult } from "./result.js";
+import { Speaker } from "./speaker.js";
 import * as state from "./state.js";
 import * as storage from "./storage.js";
 import { Tally } from "./tally.js";
@@ -48,7 +53,10 @@ class Game {
   #refusal = "";
   #refusalTimer = null;
   #signingOut = false;
-  #laser = new effects.Laser(byId("beam"), document.querySelectorAll(".charge-fill"));
+  #preferences = new Preferences();
+  #speaker = new Speaker(this.#preferences);
+  #feel = new Feel({ speaker: this.#speaker, vibrate, jolt: makeJolt(byId("stage"), byId("flash")) });
+  #laser = new Laser(byId("beam"));
 
   constructor(me, arena) {
     this.#me = me;
@@ -89,7 +97,9 @@ class Game {
     this.#driver = new Driver({
       send: (command) => {
         const sent = this.#connection.publish(me.robot, command);
-        if (sent && command.shoot && !this.#refusal && this.#laser.fire(performance.now())) this.#tally.shot();
+        if (!sent || !command.shoot || this.#refusal || !this.#feel.fire(performance.now())) return;
+        this.#laser.fire();
+        this.#tally.shot();
       },
       every: (ms, act) => {
         const timer = setInterval(act, ms);
@@ -101,8 +111,18 @@ class Game {
   start() {
     view.showPlayer(this.#me);
     this.#showConnection();
-    connectControls(this.#driver, () => view.showHeld(this.#driver.actions));
-    byId("ready-btn").addEventListener("click", () => this.#setReady(!state.findUser(this.#status, this.#me.name).ready));
+    connectGame({
+      driver: this.#driver,
+      preferences: this.#preferences,
+      speaker: this.#speaker,
+      thumbs: byId("thumbs"),
+      padHint: byId("pad-hint"),
+      onChange: () => view.showHeld(this.#driver.actions),
+      onReady: () => this.#toggleReady(),
+    });
+    connectSwitches({ sound: byId("sound"), fullscreen: byId("fullscreen") }, this.#preferences);
+    byId("ready-btn").addEventListener("click", () => this.#toggleReady());
+    byId("settings").addEventListener("click", () => this.#pause(() => this.#showSettings()));
     byId("sign-out").addEventListener("click", () => this.#askSignOut());
     byId("how-to").addEventListener("click", () => this.#pause(help));
     this.#connection.start();
@@ -128,11 +148,11 @@ class Game {
     this.#tally.take(previous, status);
     view.showPlayer(this.#me);
     view.showStatus(status, name, this.#refusal);
-    if (view.showCountdown(status)) effects.count(byId("countdown"));
+    if (view.showCountdown(status)) count(byId("countdown"));
     view.announce(state.announcement(previous, status, name));
     this.#feed.take(previous, status);
     this.#arena?.show({ ...playersShown(status, name, absolute), labels: { you: t("game.you") } });
-    if (state.lifeLost(previous, status, name) > 0) effects.hit(byId("stage"), byId("flash"));
+    this.#feel.take(previous, status, name);
     if (state.hasEnded(previous, status, name)) this.#showResult(status.result);
     else if (status.game !== state.STOPPED && previous?.game === state.STOPPED) dialogs.closeAll(); // the next one begins
   }
@@ -178,8 +198,17 @@ class Game {
     view.showConnection(state.connectionState(this.#connection.up, !this.#heartbeat.lost), this.#quality.value);
   }
 
+  #toggleReady() {
+    const me = this.#status && state.findUser(this.#status, this.#me.name);
+    if (me && !state.readyButton(this.#status, me.name).hidden) this.#setReady(!me.ready);
+  }
+
+  #showSettings() {
+    return dialogs.show({ kind: null, title: t("home.settings"), body: [settingsForm(this.#preferences, this.#speaker)] });
+  }
+
   async #setReady(ready) {
-    if (!this.#status || this.#asking) return;
+    if (this.#asking) return;
     this.#asking = true;
     const reply = await api.setReady(this.#me.name, ready).catch(() => null);
     this.#asking = false;
@@ -254,6 +283,7 @@ class Game {
     this.#left = true;
     clearInterval(this.#timer);
     this.#stopDriving();
+    this.#feel.stop();
     this.#connection.stop();
     storage.forget();
     dialogs.show({ ...message, ok: null });

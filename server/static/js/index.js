@@ -5,10 +5,14 @@ import { ArenaView } from "./arena_view.js";
 import { avatarUrl } from "./assets.js";
 import * as dialogs from "./dialogs.js";
 import { setText } from "./dom.js";
+import { Feel } from "./feel.js";
 import { help } from "./help.js";
+import { vibrate } from "./jolt.js";
 import { isValidName, loginDialog } from "./login.js";
 import { connectPreferences } from "./preferences.js";
+import { Preferences } from "./preferences_store.js";
 import { queueText } from "./queue.js";
+import { Speaker } from "./speaker.js";
 import * as storage from "./storage.js";
 import { t } from "./words.js";
 
@@ -24,6 +28,9 @@ const connectionState = document.getElementById("connection-state");
 
 const queue = document.getElementById("queue");
 const take = document.getElementById("take");
+
+const speaker = new Speaker(new Preferences());
+const feel = new Feel({ speaker, vibrate });
 
 let avatar = Math.floor(Math.random() * storage.AVATARS);
 let busy = false;
@@ -75,7 +82,7 @@ function showQueue(session) {
   setText(document.getElementById("queue-title"), title);
   setText(document.getElementById("queue-text"), text);
   if (take.hidden && session.offer !== null) {
-    navigator.vibrate?.([200, 100, 200]);
+    feel.offer();
     take.hidden = false;
     take.focus();
   }
@@ -178,6 +185,7 @@ function openArena() {
 }
 
 connectPreferences();
+speaker.listen(window);
 openArena();
 showAvatar();
 showRobots();

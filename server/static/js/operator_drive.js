@@ -2,9 +2,10 @@
 
 import * as api from "./operator_api.js";
 import { Connection } from "./connection.js";
-import { connectFire, connectKeyboard, connectPad } from "./controls.js";
+import { connectKeyboard } from "./controls.js";
 import { Driver } from "./driver.js";
 import { setText } from "./dom.js";
+import { connectFire, connectPad } from "./touch.js";
 
 const INTERVAL = 50; // ms between two commands: 20 Hz
 const REFUSED = 3000; // ms that a refusal is shown; rosbridge repeats it every second while commands come
