@@ -2,8 +2,9 @@
 
 import re
 
-from flask import Blueprint, Flask, Response, abort, make_response, render_template, request
+from flask import Blueprint, Flask, Response, abort, make_response, redirect, render_template, request
 from werkzeug.exceptions import HTTPException, MethodNotAllowed, NotFound
+from werkzeug.wrappers import Response as WerkzeugResponse
 
 from server.game.loop import GameLoop
 from server.settings import Settings
@@ -16,7 +17,6 @@ from server.web.results import create_results
 from server.web.words import add_words
 
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
-
 
 
 def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
@@ -40,6 +40,10 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
     @app.get("/about")
     def about() -> str:
         return render_template("about.html")
+
+    @app.get("/favicon.ico")
+    def favicon() -> WerkzeugResponse:
+        return redirect(asset("img/favicon.png"))
 
     @app.context_processor
     def page_variables() -> dict[str, int | None]:
@@ -108,10 +112,10 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
 def _page_policy(settings: Settings, host: str) -> str:
     """What a page may do: open a WebSocket to rosbridge and show the arena's view, on the host that it came from."""
     name = host.rpartition(":")[0] if re.search(r":\d+$", host) else host
-    bridge = f"{name}:{settings.rosbridge_port}"
-    arena = f"http://{name}:{settings.view_port} https://{name}:{settings.view_port}" if settings.view_port else "'none'"
+    bridge, view = f"{name}:{settings.rosbridge_port}", f"{name}:{settings.view_port}"
+    frames = f"frame-src http://{view} https://{view}; " if settings.view_port else ""
     return (
-        f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
-        f"connect-src 'self' ws://{bridge} wss://{bridge}; frame-src {arena}; "
+        f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; {frames}"
+        f"connect-src 'self' ws://{bridge} wss://{bridge}; "
         "object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
     )

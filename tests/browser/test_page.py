@@ -237,7 +237,8 @@ def test_who_is_forgotten_by_a_server_that_was_away_is_told_so(chromium: Browser
         ann = Person(chromium, battle, "Ann")
         ann.log_in()
         expect(ann.page.locator("#connection-state")).to_contain_text("Online")
-        ann.page.route("**/session", lambda route: route.fulfill(json={"status": "UNREGISTERED"}))  # as after a loss of data
+        # as after a loss of data
+        ann.page.route("**/session", lambda route: route.fulfill(json={"status": "UNREGISTERED"}))
         ann.page.route("**/updateGameStatus", lambda route: route.abort())
         expect(ann.page.locator("#banner")).to_contain_text("The server does not answer", timeout=15_000)
         ann.page.unroute("**/updateGameStatus")

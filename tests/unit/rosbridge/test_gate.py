@@ -254,6 +254,12 @@ def test_players_call_and_offer_no_services_and_watch_only_the_battle() -> None:
     assert gate().refuses_subscribing(AL, "/game_status", "") == ""
 
 
+def test_players_ask_the_time_to_measure_their_link_and_guests_do_not() -> None:
+    assert gate().refuses_calling(AL, "/rosapi/get_time") == ""
+    assert "signed-in players" in gate().refuses_calling(GUEST, "/rosapi/get_time")
+    assert "only operators" in gate().refuses_calling(AL, "/rosapi/get_param")
+
+
 def test_a_moving_robot_stops_when_its_driver_is_gone() -> None:
     drivers = Drivers()
     for command in (FORWARD, SHOT):
