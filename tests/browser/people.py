@@ -16,11 +16,11 @@ ARROWS = {
 class Person:
     """Somebody at a browser of their own."""
 
-    def __init__(self, chromium: Browser, battle: Battle, name: str, *, policy: bool = True) -> None:
+    def __init__(self, chromium: Browser, battle: Battle, name: str, *, policy: bool = True, locale: str = "en-GB") -> None:
         """`policy`: whether the browser heeds the pages' Content-Security-Policy."""
         self.name = name
         self.context: BrowserContext = chromium.new_context(
-            viewport={"width": 1280, "height": 800}, bypass_csp=not policy
+            viewport={"width": 1280, "height": 800}, bypass_csp=not policy, locale=locale
         )
         self.page: Page = self.context.new_page()
         self.complaints: list[str] = []

@@ -1,0 +1,81 @@
+"""A whole evening for three people with one seat too few, each in a browser of a language of their own."""
+
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, expect
+
+from tests.browser.people import Person
+from tests.support.battle import Battle
+
+
+@pytest.fixture
+def battle() -> Iterator[Battle]:
+    with Battle(robots=2, LASERBOT_COUNTDOWN="3", LASERBOT_BATTLE_LIMIT="6") as running:
+        yield running
+
+
+@pytest.fixture
+def people(chromium: Browser, battle: Battle) -> Iterator[list[Person]]:
+    people = [
+        Person(chromium, battle, name, locale=locale)
+        for name, locale in (("Ann", "en-GB"), ("Bea", "it-IT"), ("Cem", "de-DE"))
+    ]
+    yield people
+    for person in people:
+        person.context.close()
+    assert [complaint for person in people for complaint in person.complaints] == []
+
+
+@pytest.mark.timeout(600)  # its own deadlines are for a busy machine
+def test_queue_accept_battle_result_rematch_and_give_away(people: list[Person]) -> None:
+    ann, bea, cem = people
+    for person, language in zip(people, ("en", "it", "de"), strict=True):
+        expect(person.page.locator("html")).to_have_attribute("lang", language)
+    ann.log_in()
+    bea.log_in()
+    cem.page.locator("#username").fill("Cem")
+    cem.page.locator("#username").press("Enter")
+    expect(cem.page.locator("#queue-title")).to_have_text("Du bist als Nächstes dran.")
+    expect(ann.page.locator("#waiting")).to_have_text("1 person waits for a robot.")
+    expect(bea.page.locator("#seats")).to_contain_text("Ann")
+
+    for person in (ann, bea):
+        person.page.locator("#ready-btn").click()
+    expect(bea.page.locator("#countdown")).to_be_visible()
+    expect(bea.page.locator("#game-status")).to_have_text("VIA!")
+    expect(ann.page.locator("#clock")).to_be_visible()
+    expect(ann.page.locator("#ready-btn")).to_be_hidden()
+
+    for person, title in ((ann, "DRAW!"), (bea, "PAREGGIO!")):
+        expect(person.page.locator("dialog[open] h2")).to_have_text(title)
+    expect(ann.page.locator("dialog[open] .podium")).to_contain_text("Bea")
+    bea.page.get_by_role("button", name="Rivincita").click()
+    expect(bea.page.locator("#ready-btn")).to_have_attribute("aria-pressed", "true")
+    ann.page.get_by_role("button", name="Give my seat away").click()
+    ann.page.wait_for_url("**/watch")
+
+    expect(cem.page.locator("#take")).to_be_focused()
+    cem.page.keyboard.press("Enter")
+    cem.page.wait_for_url("**/home")
+    expect(cem.page.locator(".robotN").first).to_have_text(f"Roboter {ann.robot}")
+    cem.page.locator("#ready-btn").click()
+    for person, title in ((cem, "UNENTSCHIEDEN!"), (bea, "PAREGGIO!")):
+        expect(person.page.locator("dialog[open] h2")).to_have_text(title)
+    expect(cem.page.locator(".tally")).to_contain_text("0 Treffer kassiert")
+    cem.page.keyboard.press("Escape")
+    expect(cem.page.locator("#lobby")).to_be_visible()
+
+
+def test_the_language_and_the_colours_are_chosen_on_any_page_and_kept(people: list[Person]) -> None:
+    ann = people[0]
+    ann.page.locator("button[popovertarget=preferences]").click()
+    ann.page.locator("#language").select_option("de")
+    expect(ann.page.locator("#username")).to_have_attribute("placeholder", "dein Name")
+    ann.page.locator("button[popovertarget=preferences]").click()
+    ann.page.locator("#theme").select_option("light")
+    expect(ann.page.locator("html")).to_have_attribute("data-theme", "light")
+    ann.page.reload()
+    expect(ann.page.locator("html")).to_have_attribute("data-theme", "light")
+    ann.log_in()
+    expect(ann.page.locator("#game-status")).to_have_text("Drück auf Bereit, um zu starten!")
