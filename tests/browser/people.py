@@ -16,7 +16,9 @@ ARROWS = {
 class Person:
     """Somebody at a browser of their own."""
 
-    def __init__(self, chromium: Browser, battle: Battle, name: str, *, policy: bool = True, locale: str = "en-GB") -> None:
+    def __init__(
+        self, chromium: Browser, battle: Battle, name: str, *, policy: bool = True, locale: str = "en-GB"
+    ) -> None:
         """`policy`: whether the browser heeds the pages' Content-Security-Policy."""
         self.name = name
         self.context: BrowserContext = chromium.new_context(

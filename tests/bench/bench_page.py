@@ -1,0 +1,133 @@
+"""The game page under a busy stage: pictures/s, key press -> WebSocket, and what it weighs. Run by `make bench`.
+
+Chromium draws in software at 1280x720. Two virtual robots fight, with the page's player in a battle; six more are
+played to the arena over its link, driving in circles with their beams on and off.
+"""
+
+import asyncio
+import math
+import statistics
+import threading
+import time
+from collections.abc import Callable
+
+from playwright.sync_api import Page, sync_playwright
+
+from tests.browser.conftest import FLAGS
+from tests.support.battle import Battle
+from tests.support.polling import until
+
+EXTRAS = 6  # robots that only the arena knows
+SECONDS = 10.0  # of each measurement
+PRESSES = 100
+SIZE = {"width": 1280, "height": 720}
+GOAL = 60  # pictures/s
+
+# Runs in the page: frames of the page itself, what the arena reports of its own, and when a key's command was sent.
+WATCH = """() => {
+  window.seen = {frames: [], reports: [], delays: []};
+  const frame = now => { seen.frames.push(now); requestAnimationFrame(frame); };
+  requestAnimationFrame(frame);
+  addEventListener('message', ({data}) => data?.type === 'laserbot-arena' && seen.reports.push(data));
+  let pressed = null;
+  addEventListener('keydown', event => { if (!event.repeat) pressed = event.timeStamp; }, true);
+  const send = WebSocket.prototype.send;
+  WebSocket.prototype.send = function (text) {
+    if (pressed !== null && String(text).includes('/command')) {
+      seen.delays.push(performance.now() - pressed);
+      pressed = null;
+    }
+    return send.call(this, text);
+  };
+}"""
+
+
+class Crowd:
+    """Robots on the arena's floor without a firmware: each drives in a circle and fires every other second."""
+
+    def __init__(self, port: int, robots: int) -> None:
+        self._port, self._robots = port, robots
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=lambda: asyncio.run(self._drive()))
+
+    def __enter__(self) -> None:
+        self._thread.start()
+
+    def __exit__(self, *_: object) -> None:
+        self._over.set()
+        self._thread.join()
+
+    async def _drive(self) -> None:
+        ends = [await asyncio.open_connection("127.0.0.1", self._port) for _ in range(self._robots)]
+        for number, (_, writer) in enumerate(ends):
+            writer.write(f"robot extra{number}\n".encode())
+        start = time.monotonic()
+        while not self._over.is_set():
+            spent = time.monotonic() - start
+            for number, (_, writer) in enumerate(ends):
+                turned = int(spent * 700)
+                writer.write(b"wheels %d %d\n" % (turned, int(turned * (0.5 + 0.05 * number))))
+                writer.write(b"beam %d\n" % (math.floor(spent + number / 3) % 2))
+            await asyncio.sleep(0.04)
+        for _, writer in ends:
+            writer.close()
+
+
+def weigh(page: Page, load: Callable[[], object]) -> int:
+    """Bytes on the wire while `load` fills the page."""
+    weight = 0
+
+    def count(event: dict[str, float]) -> None:
+        nonlocal weight
+        weight += int(event["encodedDataLength"])
+
+    session = page.context.new_cdp_session(page)
+    session.send("Network.enable")
+    session.on("Network.loadingFinished", count)
+    load()
+    page.wait_for_load_state("networkidle")
+    session.detach()
+    return weight
+
+
+def main() -> None:
+    with Battle(robots=2, bots=1, LASERBOT_COUNTDOWN="1") as battle, sync_playwright() as playwright:
+        battle.wait_until_ready()
+        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
+        page = browser.new_context(viewport=SIZE).new_page()
+        weight = weigh(page, lambda: page.goto(battle.web))
+        print(f"login page: {weight / 1000:.0f} kB")
+        page.locator("#username").fill("Ann")
+        weight = weigh(page, lambda: (page.locator("#username").press("Enter"), page.wait_for_url("**/home")))
+        print(f"to the first playable picture, after the login page: {weight / 1000:.0f} kB (budget 150 with it)")
+        with Crowd(battle.ports["LASERBOT_ARENA_LINK_PORT"], EXTRAS):
+            page.locator("#ready-btn").click()
+            until(lambda: page.locator("body").get_attribute("data-phase") == "playing", 60, "the battle")
+            measure(page)
+        browser.close()
+
+
+def measure(page: Page) -> None:
+    page.evaluate(WATCH)
+    for _ in range(PRESSES):
+        page.keyboard.down("ArrowLeft")
+        page.wait_for_timeout(SECONDS * 500 / PRESSES)
+        page.keyboard.up("ArrowLeft")
+        page.wait_for_timeout(SECONDS * 500 / PRESSES)
+    seen = page.evaluate("() => seen")
+    frames = seen["frames"]
+    rate = 1000 * (len(frames) - 1) / (frames[-1] - frames[0])
+    print(f"the page with {2 + EXTRAS} robots: {rate:.0f} pictures/s (goal {GOAL})")
+    rates = [report["fps"] for report in seen["reports"] if report.get("fps")]
+    effects = {report.get("effects") for report in seen["reports"]}
+    if rates:
+        print(f"the arena on it: {statistics.median(rates):.0f} pictures/s, effects {', '.join(map(str, effects))}")
+    delays = sorted(seen["delays"])
+    print(
+        f"key press -> WebSocket: n={len(delays)}, p50 {statistics.median(delays):.1f} ms, "
+        f"p99 {delays[int(0.99 * len(delays))]:.1f} ms, max {delays[-1]:.1f} ms"
+    )
+
+
+if __name__ == "__main__":
+    main()
