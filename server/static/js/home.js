@@ -1,8 +1,7 @@
 // The game page: who am I, what is the state of the battle, where do my commands go.
 
 import * as api from "./api.js";
-import { ArenaView } from "./arena_view.js";
-import { avatarUrl } from "./assets.js";
+import { ArenaView, arenaPlayers } from "./arena_view.js";
 import { Connection } from "./connection.js";
 import * as dialogs from "./dialogs.js";
 import { Driver } from "./driver.js";
@@ -16,7 +15,6 @@ import { help } from "./help.js";
 import { makeJolt, vibrate } from "./jolt.js";
 import { LinkQuality } from "./link.js";
 import { fromReply, fromTopic } from "./messages.js";
-import { playersShown } from "./players.js";
 import { connectPreferences } from "./preferences.js";
 import { Preferences } from "./preferences_store.js";
 import { showResult } from "./result.js";
@@ -32,7 +30,6 @@ const RETRY = 1000; // ms between two attempts to reach the server at the start
 const REFUSED = 3000; // ms that a refusal is shown; rosbridge repeats it every second while commands come
 
 const byId = (id) => document.getElementById(id);
-const absolute = (avatar) => new URL(avatarUrl(avatar), location.href).href;
 
 /** One signed-in player on this page, from login to leaving. */
 class Game {
@@ -151,7 +148,7 @@ class Game {
     if (view.showCountdown(status)) count(byId("countdown"));
     view.announce(state.announcement(previous, status, name));
     this.#feed.take(previous, status);
-    this.#arena?.show({ ...playersShown(status, name, absolute), labels: { you: t("game.you") } });
+    this.#arena?.show({ ...arenaPlayers(status, name), labels: { you: t("game.you") } });
     this.#feel.take(previous, status, name);
     if (state.hasEnded(previous, status, name)) this.#showResult(status.result);
     else if (status.game !== state.STOPPED && previous?.game === state.STOPPED) dialogs.closeAll(); // the next one begins

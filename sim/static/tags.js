@@ -1,0 +1,80 @@
+// The labels of all robots: painted when something changes, placed anew for each frame.
+
+import { Avatars } from "./avatars.js";
+import { layOut } from "./labels.js";
+import { paintTag } from "./tag.js";
+
+const EASE = 0.18; // of the way to its place that a label goes in a frame
+const JUMP = 0.5; // m; farther than that a robot has not driven
+
+export class Tags {
+  #avatars = new Avatars();
+  #painted = new Map(); // robot's name -> { key, label }
+  #offsets = new Map(); // robot's name -> where its label stands, from the robot's centre (canvas px)
+
+  clear() {
+    this.#painted.clear();
+    this.#offsets.clear();
+  }
+
+  /**
+   * Draw the labels; the context is in canvas pixels.
+   * @param {{robot: object, player: object, colour: string, isMe: boolean, x: number, y: number}[]} entries with the
+   *   robot's centre in canvas pixels; the last is on top
+   * @param {{scale: number, density: number, width: number, height: number, radius: number, you: string}} picture in canvas
+   *   pixels, `scale` for a metre, `density` for a CSS pixel
+   */
+  draw(context, entries, picture) {
+    const tags = entries.map((entry) => {
+      const label = this.#paint(entry, picture);
+      return { x: entry.x, y: entry.y, radius: picture.radius * 1.35, width: label.width, height: label.height, label };
+    });
+    const wanted = layOut(tags, picture.width, picture.height);
+    const places = entries.map((entry, n) => this.#glide(entry, tags[n], wanted[n], picture));
+    entries.forEach((entry, n) => drawLead(context, entry, tags[n], places[n], picture.density));
+    places.forEach(({ left, top }, n) => context.drawImage(tags[n].label, Math.round(left), Math.round(top)));
+  }
+
+  /** Where a label stands now on its way to the wanted place, inside the picture. */
+  #glide({ robot, x, y }, { width, height }, { left, top }, picture) {
+    const offset = this.#ease(robot.name, { x: left - x, y: top - y }, picture.scale);
+    return {
+      left: Math.max(0, Math.min(x + offset.x, picture.width - width)),
+      top: Math.max(0, Math.min(y + offset.y, picture.height - height)),
+    };
+  }
+
+  /** Labels glide when they give way. */
+  #ease(name, wanted, scale) {
+    const old = this.#offsets.get(name);
+    const isNear = old && Math.hypot(wanted.x - old.x, wanted.y - old.y) < JUMP * scale;
+    const offset = isNear ? { x: old.x + EASE * (wanted.x - old.x), y: old.y + EASE * (wanted.y - old.y) } : wanted;
+    this.#offsets.set(name, offset);
+    return offset;
+  }
+
+  #paint({ robot, player, colour, isMe }, picture) {
+    const avatar = this.#avatars.get(player.avatar, () => this.#painted.clear());
+    const { scale, density, width, you } = picture;
+    const text = isMe ? you : player.name;
+    const key = JSON.stringify([text, player.life, player.out, player.ready, player.avatar, colour, isMe, scale, density, width]);
+    const old = this.#painted.get(robot.name);
+    if (old?.key === key) return old.label;
+    const label = paintTag(player, { text, colour, isMe, avatar, scale: scale / density, density, width: width / density });
+    this.#painted.set(robot.name, { key, label });
+    return label;
+  }
+}
+
+/** A line to the robot from a label that has given way. */
+function drawLead(context, { x, y, colour }, { radius, width, height }, { left, top }, density) {
+  const near = { x: Math.max(left, Math.min(x, left + width)), y: Math.max(top, Math.min(y, top + height)) };
+  const distance = Math.hypot(near.x - x, near.y - y);
+  if (distance < 1.3 * radius) return;
+  context.strokeStyle = colour;
+  context.lineWidth = 1.5 * density;
+  context.beginPath();
+  context.moveTo(x + ((near.x - x) * radius) / distance, y + ((near.y - y) * radius) / distance);
+  context.lineTo(near.x, near.y);
+  context.stroke();
+}
