@@ -24,7 +24,7 @@ async def run(settings: Settings) -> None:
     end = signalled()
     world = World(BATTLE_FLOOR)
     link = Link(world)
-    page = web.AppRunner(View(world).app(), access_log=None, shutdown_timeout=1.0)
+    page = web.AppRunner(View(world, settings.rosbridge_port).app(), access_log=None, shutdown_timeout=1.0)
     await page.setup()
     try:
         await link.start(settings.bind, settings.link_port)

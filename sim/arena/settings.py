@@ -3,18 +3,19 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from laser_bot_battle.variables import ALIVE_FILE, ARENA, ARENA_LINK, BIND, LOG_LEVEL
+from laser_bot_battle.variables import ALIVE_FILE, ARENA, ARENA_LINK, BIND, LOG_LEVEL, ROSBRIDGE
 
-VARIABLES = (BIND, ARENA, ARENA_LINK, LOG_LEVEL, ALIVE_FILE)
+VARIABLES = (BIND, ARENA, ARENA_LINK, ROSBRIDGE, LOG_LEVEL, ALIVE_FILE)
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the arena listens and how much it logs."""
+    """Where the arena listens, where its page finds rosbridge on the same host, and how much it logs."""
 
     bind: str
     view_port: int
     link_port: int
+    rosbridge_port: int
     log_level: str
 
     @classmethod
@@ -24,5 +25,6 @@ class Settings:
             bind=BIND.read(env),
             view_port=ARENA.read(env),
             link_port=ARENA_LINK.read(env),
+            rosbridge_port=ROSBRIDGE.read(env),
             log_level=LOG_LEVEL.read(env),
         )

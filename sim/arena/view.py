@@ -1,4 +1,4 @@
-"""The arena seen from above, for anyone: a page, and its state 25 times a second on the WebSocket /view."""
+"""The arena seen from above, for anyone: a page, and its state on the WebSocket /view, up to 25 times a second."""
 
 import asyncio
 import contextlib
@@ -13,13 +13,18 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
+from sim.arena.policy import is_host, page_policy
+from sim.arena.viewers import RATE, Clock, Viewer, Viewers
 from sim.arena.world import World
 
-RATE = 25  # states a second
-MAX_VIEWERS = 64
 MAX_UNSENT = 16_384  # bytes on the way to one viewer; more would be old states
 SEND_SECONDS = 5.0  # for one message; a viewer that takes longer is gone
 STATIC = Path(__file__).resolve().parents[1] / "static"
+HEADERS = {
+    "Cache-Control": "no-cache",  # browsers ask whether their copy is current: an update of the arena shows at once
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "same-origin",
+}
 
 _log = logging.getLogger(__name__)
 
@@ -61,14 +66,18 @@ def state_message(world: World, time: float) -> dict[str, Any]:
 class View:
     """The HTTP side. Every viewer gets the newest state when it can take one; a slow one skips states."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, rosbridge_port: int) -> None:
+        """Pages find the game's rosbridge at `rosbridge_port` of the host that they came from."""
         self._world = world
-        self._viewers: set[web.WebSocketResponse] = set()
+        self._rosbridge_port = rosbridge_port
+        self._page_text = (STATIC / "arena.html").read_text().replace("{{ rosbridge_port }}", str(rosbridge_port))
+        self._viewers = Viewers()
+        self._open: set[web.WebSocketResponse] = set()
         self._newest = ""
-        self._news = asyncio.Condition()
+        self._clock = Clock()
 
     def app(self) -> web.Application:
-        app = web.Application(middlewares=[_fresh])
+        app = web.Application(middlewares=[self._with_headers])
         app.router.add_get("/", self._page)
         app.router.add_get("/view", self._view)
         app.router.add_static("/static/", STATIC)
@@ -76,9 +85,27 @@ class View:
         app.on_shutdown.append(self._say_goodbye)  # type: ignore[arg-type]  # typed for an older aiosignal
         return app
 
+    @web.middleware
+    async def _with_headers(
+        self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+    ) -> web.StreamResponse:
+        """The answer with the headers of all pages; 400 for a header Host that names none."""
+        host = request.headers.get("Host", "localhost")
+        if not is_host(host):
+            raise web.HTTPBadRequest(text="the header Host names no host")
+        headers = {"Content-Security-Policy": page_policy(host, self._rosbridge_port), **HEADERS}
+        try:
+            response = await handler(request)
+        except web.HTTPException as refusal:
+            refusal.headers.update(headers)
+            raise
+        if not response.prepared:
+            response.headers.update(headers)
+        return response
+
     async def _say_goodbye(self, _app: web.Application) -> None:
-        for viewer in list(self._viewers):
-            await viewer.close(code=WSCloseCode.GOING_AWAY)
+        for socket_ in list(self._open):
+            await socket_.close(code=WSCloseCode.GOING_AWAY)
 
     async def _run_clock(self, _app: web.Application) -> AsyncIterator[None]:
         clock = asyncio.create_task(self._tick())
@@ -93,62 +120,59 @@ class View:
         while True:
             if self._viewers:
                 self._newest = json.dumps(state_message(self._world, loop.time() - start))
-                async with self._news:
-                    self._news.notify_all()
+                self._clock.tick()
             await asyncio.sleep(1 / RATE)
 
-    async def _page(self, _request: web.Request) -> web.FileResponse:
-        return web.FileResponse(STATIC / "arena.html")
+    async def _page(self, _request: web.Request) -> web.Response:
+        return web.Response(text=self._page_text, content_type="text/html")
 
     async def _view(self, request: web.Request) -> web.StreamResponse:
-        if len(self._viewers) >= MAX_VIEWERS:
+        if self._viewers.full:
             raise web.HTTPServiceUnavailable(text="too many viewers")
-        viewer = web.WebSocketResponse(heartbeat=10, max_msg_size=1024, timeout=1.0, writer_limit=MAX_UNSENT)
-        await viewer.prepare(request)
-        _keep_little(request)
+        # uncompressed: each viewer would cost the time to compress every state anew
+        opened = web.WebSocketResponse(
+            heartbeat=10, max_msg_size=1024, timeout=1.0, writer_limit=MAX_UNSENT, compress=False
+        )
+        viewer = Viewer()
         self._viewers.add(viewer)
-        sender = asyncio.create_task(self._show(viewer))
+        self._open.add(opened)
+        sender = None
         try:
-            async for message in viewer:  # a viewer has nothing to say; this notices that it leaves
-                if message.type == WSMsgType.ERROR:
+            await opened.prepare(request)
+            _keep_little(request)
+            sender = asyncio.create_task(self._show(opened, viewer))
+            async for message in opened:
+                if message.type == WSMsgType.TEXT:
+                    self._viewers.hear(viewer, message.data)
+                elif message.type == WSMsgType.ERROR:
                     break
         finally:
-            self._viewers.discard(viewer)
-            sender.cancel()
-            with contextlib.suppress(asyncio.CancelledError):
-                await sender
-        return viewer
+            self._viewers.remove(viewer)
+            self._open.discard(opened)
+            if sender:
+                sender.cancel()
+                with contextlib.suppress(asyncio.CancelledError):
+                    await sender
+        return opened
 
-    async def _show(self, viewer: web.WebSocketResponse) -> None:
+    async def _show(self, opened: web.WebSocketResponse, viewer: Viewer) -> None:
         try:
-            await self._send(viewer, json.dumps(arena_message(self._world)))
-            while not viewer.closed:
-                async with self._news:
-                    await self._news.wait()
-                await self._send(viewer, self._newest)
+            await self._send(opened, json.dumps(arena_message(self._world)))
+            while not opened.closed:
+                await self._clock.wait(viewer)
+                await self._send(opened, self._newest)
         except TimeoutError:
             _log.warning("a viewer has stopped reading: disconnected")
-            await viewer.close(code=WSCloseCode.TRY_AGAIN_LATER, drain=False)
+            await opened.close(code=WSCloseCode.TRY_AGAIN_LATER, drain=False)
         except ConnectionError:
             pass  # the viewer has left
 
-    async def _send(self, viewer: web.WebSocketResponse, text: str) -> None:
+    async def _send(self, opened: web.WebSocketResponse, text: str) -> None:
         async with asyncio.timeout(SEND_SECONDS):
-            await viewer.send_str(text)
+            await opened.send_str(text)
 
 
 def _keep_little(request: web.Request) -> None:
     """Keep the kernel from storing many old states for a slow viewer."""
     if request.transport:
         request.transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_UNSENT)
-
-
-@web.middleware
-async def _fresh(
-    request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
-) -> web.StreamResponse:
-    """Browsers ask whether their copy of the page is still current, so that an update of the arena shows at once."""
-    response = await handler(request)
-    if not response.prepared:
-        response.headers["Cache-Control"] = "no-cache"
-    return response

@@ -1,26 +1,46 @@
-// The page of the arena: follows the view's WebSocket, draws every frame.
+// The page of the arena, by itself or inside a page of the game: follows the view and who plays, draws every frame.
 
+import { Cast } from "./cast.js";
+import { Embedding } from "./embedding.js";
 import { Feed } from "./feed.js";
+import { Game } from "./game.js";
+import { Governor } from "./governor.js";
 import { Motion } from "./motion.js";
-import { showRobots } from "./roster.js";
+import { rows, showRows } from "./roster.js";
 import { Scene } from "./scene.js";
+import { languageOf, wordsOf } from "./words.js";
 
-const canvas = document.getElementById("floor");
-const connection = document.getElementById("connection");
-const empty = document.getElementById("empty");
-const roster = document.getElementById("robots");
+const byId = (id) => document.getElementById(id);
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+const isEmbedded = new URLSearchParams(location.search).has("embedded") && window.parent !== window;
+const socketUrl = (host) => `${location.protocol === "https:" ? "wss:" : "ws:"}//${host}`;
+const seconds = () => performance.now() / 1000;
 
-const CONNECTION_TEXT = { connecting: "connecting", live: "live", lost: "the arena does not answer, trying again" };
+document.documentElement.lang = languageOf(navigator.languages);
+const words = wordsOf(document.documentElement.lang);
+for (const element of document.querySelectorAll("[data-word]")) element.textContent = words[element.dataset.word];
+byId("floor").setAttribute("aria-label", words.picture);
+byId("side").setAttribute("aria-label", words.robots);
+document.body.classList.toggle("embedded", isEmbedded);
 
-// inside another page: only the floor
-if (new URLSearchParams(location.search).has("embedded")) document.body.classList.add("embedded");
-
-const scene = new Scene(canvas);
+const scene = new Scene(byId("floor"));
 const motion = new Motion();
+const governor = new Governor();
+const cast = new Cast(words);
+const feed = new Feed(`${socketUrl(location.host)}/view`, receive, showConnection);
+const embedding = new Embedding(takePlayers, report);
 
-function showConnection(state) {
-  connection.dataset.state = document.body.dataset.connection = state;
-  connection.textContent = CONNECTION_TEXT[state];
+let robots = []; // of the newest state
+let state = "connecting";
+let pictures = 0; // since the last report
+let reportedAt = performance.now();
+
+function showConnection(news) {
+  if (state === news) return;
+  state = news;
+  byId("connection").dataset.state = document.body.dataset.connection = state;
+  byId("connection").textContent = words[state];
+  if (isEmbedded) embedding.tell();
 }
 
 function receive(message) {
@@ -29,19 +49,45 @@ function receive(message) {
     scene.build(message);
     motion.clear();
   } else if (message.type === "state") {
-    motion.add(message, performance.now() / 1000);
-    showRobots(roster, message.robots);
-    empty.hidden = message.robots.length > 0;
+    motion.add(message, seconds());
+    robots = message.robots;
+    showWords();
   }
 }
 
-function frame(milliseconds) {
-  const now = milliseconds / 1000;
-  scene.draw(motion.at(now), now);
+function takePlayers(players) {
+  cast.take(players, seconds());
+  governor.mode = players?.effects ?? "auto";
+  feed.drives = cast.drives;
+  showWords();
+}
+
+function showWords() {
+  byId("empty").hidden = robots.length > 0;
+  byId("empty").textContent = cast.words.empty;
+  if (!isEmbedded) showRows(byId("robots"), rows(robots, cast, words));
+}
+
+function report() {
+  const now = performance.now();
+  const fps = Math.round((1000 * pictures) / Math.max(1, now - reportedAt));
+  [pictures, reportedAt] = [0, now];
+  return { state, fps, effects: governor.level };
+}
+
+function frame(now) {
+  governor.picture(now);
+  pictures += 1;
+  scene.draw(motion.at(now / 1000), cast, governor.effects, calm.matches, now / 1000);
   requestAnimationFrame(frame);
 }
 
-const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-new Feed(`${scheme}//${location.host}/view`, receive, showConnection).open();
-new ResizeObserver(() => scene.resize()).observe(canvas.parentElement);
+if (isEmbedded) {
+  embedding.start();
+} else {
+  const port = document.querySelector("meta[name=rosbridge-port]").content;
+  new Game(socketUrl(`${location.hostname}:${port}`), takePlayers).open();
+}
+feed.open();
+new ResizeObserver(([{ contentRect }]) => scene.resize(contentRect.width, contentRect.height)).observe(byId("floor").parentElement);
 requestAnimationFrame(frame);

@@ -1,30 +1,10 @@
-// One robot seen from above: two wheels, a round chassis, the emitter in its nose, its ID.
+// One robot seen from above, painted in parts: a round chassis with the emitter in its nose, and two wheels.
+// The contexts are in metres, y up, with the robot's centre at the origin and its nose along +x.
 
-import { write } from "./text.js";
+export const WHEEL = { offset: 0.06, length: 0.066, width: 0.022, tread: 0.011 }; // m
 
-const WHEEL = { offset: 0.06, length: 0.066, width: 0.022, tread: 0.011 }; // m
-
-/**
- * Paint `robot` (a pose of the view). `wheels` = how far (m) the left and right wheel have rolled,
- * `flash` = 1 while it is lit, falling to 0 afterwards.
- */
-export function paintRobot(context, robot, radius, colour, wheels, flash, now) {
-  context.save();
-  context.translate(robot.x, robot.y);
-  paintShadow(context, radius);
-  context.save();
-  context.rotate(robot.heading);
-  paintWheel(context, WHEEL.offset, wheels[0]);
-  paintWheel(context, -WHEEL.offset, wheels[1]);
-  paintChassis(context, radius * 0.7, colour, flash);
-  paintNose(context, radius, colour, robot.beam);
-  context.restore();
-  paintNumber(context, robot.id ?? "?", radius, flash);
-  if (flash > 0) paintHalo(context, radius, flash, robot.lit ? 0.85 + 0.15 * Math.sin(now * 60) : 1);
-  context.restore();
-}
-
-function paintShadow(context, radius) {
+/** The shadow on the floor; it does not turn with the robot. */
+export function paintShadow(context, radius) {
   const shade = context.createRadialGradient(0.006, -0.012, radius * 0.6, 0.006, -0.012, radius * 1.2);
   shade.addColorStop(0, "rgba(0, 0, 0, 0.7)");
   shade.addColorStop(1, "rgba(0, 0, 0, 0)");
@@ -32,24 +12,28 @@ function paintShadow(context, radius) {
   disc(context, 0.006, -0.012, radius * 1.2);
 }
 
-function paintWheel(context, y, rolled) {
+/** A wheel around the origin that has rolled so far (m). */
+export function paintWheel(context, rolled) {
   const { length, width, tread } = WHEEL;
-  context.save();
   context.beginPath();
-  context.roundRect(-length / 2, y - width / 2, length, width, 0.006);
+  context.roundRect(-length / 2, -width / 2, length, width, 0.006);
   context.fillStyle = "#3a4770";
   context.fill();
   context.clip();
   context.strokeStyle = "#a9b6dd";
   context.lineWidth = 0.0045;
-  const start = ((rolled % tread) + tread) % tread;
   context.beginPath();
-  for (let x = -length / 2 - tread + start; x < length / 2 + tread; x += tread) {
-    context.moveTo(x, y - width / 2);
-    context.lineTo(x, y + width / 2);
+  for (let x = -length / 2 - tread + rolled; x < length / 2 + tread; x += tread) {
+    context.moveTo(x, -width / 2);
+    context.lineTo(x, width / 2);
   }
   context.stroke();
-  context.restore();
+}
+
+/** Chassis and nose; `lamp`: the emitter is on, `flash`: light falls on the robot. */
+export function paintBody(context, radius, colour, lamp, flash) {
+  paintChassis(context, radius * 0.7, colour, flash);
+  paintNose(context, radius, colour, lamp);
 }
 
 function paintChassis(context, radius, colour, flash) {
@@ -73,7 +57,7 @@ function paintChassis(context, radius, colour, flash) {
   context.stroke();
 }
 
-function paintNose(context, radius, colour, beam) {
+function paintNose(context, radius, colour, lamp) {
   context.fillStyle = colour; // an arrowhead that ends at the chassis' very edge
   context.beginPath();
   context.moveTo(radius, 0);
@@ -82,33 +66,31 @@ function paintNose(context, radius, colour, beam) {
   context.lineTo(radius * 0.45, -radius * 0.55);
   context.closePath();
   context.fill();
-  context.fillStyle = beam ? "#fff0f4" : "#3a1024";
-  context.strokeStyle = beam ? "#ff3d6e" : "#0a0f1e";
+  context.fillStyle = lamp ? "#fff0f4" : "#3a1024";
+  context.strokeStyle = lamp ? "#ff3d6e" : "#0a0f1e";
   context.lineWidth = 0.002;
   disc(context, radius * 0.8, 0, 0.006);
   context.stroke();
 }
 
-function paintNumber(context, text, radius, flash) {
-  context.fillStyle = flash ? "#fff" : "#eaf2ff";
-  write(context, text, 0, 0, radius * 0.74);
-}
-
-function paintHalo(context, radius, flash, flicker) {
-  context.save();
-  context.globalCompositeOperation = "lighter";
+/** The light that a hit leaves on a robot. */
+export function paintHalo(context, radius) {
   const halo = context.createRadialGradient(0, 0, radius * 0.4, 0, 0, radius * 2);
-  halo.addColorStop(0, `rgba(255, 120, 150, ${0.5 * flash * flicker})`);
-  halo.addColorStop(0.45, `rgba(255, 61, 110, ${0.35 * flash * flicker})`);
+  halo.addColorStop(0, "rgba(255, 120, 150, 0.5)");
+  halo.addColorStop(0.45, "rgba(255, 61, 110, 0.35)");
   halo.addColorStop(1, "rgba(255, 61, 110, 0)");
   context.fillStyle = halo;
   disc(context, 0, 0, radius * 2);
-  context.strokeStyle = `rgba(255, 210, 220, ${flash * flash})`; // a shock wave runs outwards
-  context.lineWidth = 0.006 * flash;
-  context.beginPath();
-  context.arc(0, 0, radius * (1 + 0.9 * (1 - flash)), 0, 2 * Math.PI);
-  context.stroke();
-  context.restore();
+}
+
+/** One puff of smoke. */
+export function paintPuff(context, radius) {
+  const puff = context.createRadialGradient(0, 0, 0, 0, 0, radius);
+  puff.addColorStop(0, "rgba(150, 156, 172, 0.8)");
+  puff.addColorStop(0.5, "rgba(120, 126, 142, 0.4)");
+  puff.addColorStop(1, "rgba(100, 106, 122, 0)");
+  context.fillStyle = puff;
+  disc(context, 0, 0, radius);
 }
 
 function disc(context, x, y, radius) {

@@ -1,146 +1,187 @@
-// The arena seen from above, on a canvas: floor, tracks, beams, robots, sparks. Everything is drawn in metres, y up.
+// The arena seen from above, in one pass over one canvas: floor, tracks, robots, beams, sparks, smoke, labels.
 
-import { colourOf } from "./colours.js";
-import { Sparks } from "./sparks.js";
+import { colourOf, OUT } from "./colours.js";
+import { drawBeam } from "./beams.js";
+import { drawMark } from "./mark.js";
+import { drawSmoke } from "./smoke.js";
+import { drawTrack } from "./tracks.js";
+import { EMITTER, Memory } from "./memory.js";
 import { paintFloor } from "./floor.js";
-import { paintRobot } from "./robot.js";
-import { fan } from "./rays.js";
+import { Sparks } from "./sparks.js";
+import { Sprites } from "./sprites.js";
+import { Tags } from "./tags.js";
 
 const MARGIN = 0.05; // m around the floor, for the outer walls' glow
-const EMITTER = 0.06; // m ahead of a robot's centre
-const TRACK_SECONDS = 2.5; // that tyre tracks are seen
-const FLASH_SECONDS = 0.6;
+const DIM = 0.5; // alpha of a robot that nobody plays
+
+/** What is drawn of a robot that nobody is known to play. */
+const NOBODY = { player: null, isMe: false, out: false };
 
 export class Scene {
+  #canvas;
+  #context;
+  #memory = new Memory();
+  #sparks = new Sparks();
+  #tags = new Tags();
+  #arena = null;
+  #floor;
+  #sprites;
+  #room = { width: 0, height: 0 }; // CSS px
+  #density = 0; // canvas pixels for a CSS px
+  #scale = 0; // canvas pixels for a metre
+
   constructor(canvas) {
-    this.canvas = canvas;
-    this.context = canvas.getContext("2d");
-    this.sparks = new Sparks();
-    this.known = new Map(); // name -> what the picture remembers of a robot
-    this.arena = null;
+    this.#canvas = canvas;
+    this.#context = canvas.getContext("2d", { alpha: false });
   }
 
   /** `arena` is the view's first message. */
   build(arena) {
-    this.arena = arena;
-    this.known.clear();
-    this.resize();
+    this.#arena = arena;
+    this.#memory.clear();
+    this.#density = 0;
   }
 
-  /** Fit the floor into the canvas' parent at the screen's resolution. */
-  resize() {
-    if (!this.arena) return;
-    const room = this.canvas.parentElement.getBoundingClientRect();
-    const [width, height] = [this.arena.width + 2 * MARGIN, this.arena.height + 2 * MARGIN];
-    const scale = Math.min(room.width / width, room.height / height);
-    const density = window.devicePixelRatio || 1;
-    this.canvas.style.width = `${width * scale}px`;
-    this.canvas.style.height = `${height * scale}px`;
-    this.canvas.width = Math.max(1, Math.round(width * scale * density));
-    this.canvas.height = Math.max(1, Math.round(height * scale * density));
-    this.scale = scale * density;
-    this.floor = new OffscreenCanvas(this.canvas.width, this.canvas.height);
-    const context = this.floor.getContext("2d");
-    this.toMetres(context);
-    paintFloor(context, this.arena);
+  /** Fit the floor into so much room (CSS px). */
+  resize(width, height) {
+    this.#room = { width, height };
+    this.#density = 0;
   }
 
-  toMetres(context) {
-    context.setTransform(this.scale, 0, 0, -this.scale, MARGIN * this.scale, (this.arena.height + MARGIN) * this.scale);
+  /** Get the canvas ready for so many pixels for a CSS px; the size in CSS px stays. */
+  #prepare(density) {
+    if (density === this.#density) return;
+    this.#density = density;
+    const [width, height] = [this.#arena.width + 2 * MARGIN, this.#arena.height + 2 * MARGIN];
+    const scale = Math.min(this.#room.width / width, this.#room.height / height);
+    this.#canvas.style.width = `${width * scale}px`;
+    this.#canvas.style.height = `${height * scale}px`;
+    this.#canvas.width = Math.max(1, Math.round(width * scale * density));
+    this.#canvas.height = Math.max(1, Math.round(height * scale * density));
+    this.#scale = scale * density;
+    this.#floor = new OffscreenCanvas(this.#canvas.width, this.#canvas.height);
+    const context = this.#floor.getContext("2d", { alpha: false });
+    context.fillStyle = "#05070f";
+    context.fillRect(0, 0, this.#floor.width, this.#floor.height);
+    this.#toMetres(context);
+    paintFloor(context, this.#arena);
+    this.#sprites = new Sprites(this.#scale, this.#arena.robot_radius);
+    this.#tags.clear();
   }
 
-  /** Draw `robots` (poses of the view) at `now` (s). */
-  draw(robots, now) {
-    if (!this.arena) return;
-    const context = this.context;
+  #toMetres(context) {
+    context.setTransform(this.#scale, 0, 0, -this.#scale, MARGIN * this.#scale, (this.#arena.height + MARGIN) * this.#scale);
+  }
+
+  /** Where a point of the floor is, in canvas pixels. */
+  #toPixels({ x, y }) {
+    return { x: (x + MARGIN) * this.#scale, y: (this.#arena.height + MARGIN - y) * this.#scale };
+  }
+
+  /**
+   * Draw one picture.
+   * @param {object[]} robots poses of the view
+   * @param {import("./cast.js").Cast} cast who plays them
+   * @param {{glow: number, smoke: number, sparks: number, tracks: boolean, density: number}} effects
+   * @param {boolean} still whoever looks wants no motion that means nothing
+   * @param {number} now s
+   */
+  draw(robots, cast, effects, still, now) {
+    if (!this.#arena || !this.#room.width || !this.#room.height) return;
+    this.#prepare(Math.min(window.devicePixelRatio || 1, effects.density));
+    const context = this.#context;
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.clearRect(0, 0, this.canvas.width, this.canvas.height);
-    context.drawImage(this.floor, 0, 0);
-    this.toMetres(context);
-    for (const robot of robots) this.remember(robot, now);
-    for (const name of this.known.keys()) if (!robots.some((robot) => robot.name === name)) this.known.delete(name);
-    for (const robot of robots) this.drawTracks(context, robot, now);
-    for (const robot of robots) {
-      const memory = this.known.get(robot.name);
-      const flash = robot.lit ? 1 : Math.max(0, 1 - (now - memory.hitAt) / FLASH_SECONDS);
-      paintRobot(context, robot, this.arena.robot_radius, colourOf(robot), memory.wheels, flash, now);
+    context.drawImage(this.#floor, 0, 0);
+    for (const robot of this.#memory.follow(robots, now)) {
+      this.#sparks.burst(robot, this.#arena.robot_radius, this.#arena.height, still ? 0 : effects.sparks, now);
     }
-    context.globalCompositeOperation = "lighter";
-    for (const robot of robots) if (robot.beam) this.drawBeam(context, robot, robots);
-    this.sparks.draw(context, now);
-    context.globalCompositeOperation = "source-over";
+    const shown = robots.map((robot) => this.#look(robot, cast, now));
+    this.#toMetres(context);
+    if (effects.tracks) for (const each of shown) if (!each.out) drawTrack(context, each.remembered.track, each.colour, now);
+    for (const each of shown) if (each.isMe) drawMark(context, each.robot, this.#arena.robot_radius, each.colour, cast.sinceStart(now), still);
+    for (const each of shown) this.#drawRobot(context, each);
+    this.#drawLight(context, robots, shown, effects, cast.words.hit, still, now);
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    const smoking = shown.filter((each) => each.out);
+    for (const each of smoking) {
+      const place = { ...each.pixels, scale: this.#scale };
+      drawSmoke(context, this.#sprites.puff(), place, effects.smoke, still ? 0 : now + (each.robot.id ?? 0));
+    }
+    this.#drawTags(context, shown, cast);
   }
 
-  /** Follow a robot from picture to picture: its tracks, how its wheels turn, new hits. */
-  remember(robot, now) {
-    const { x, y, heading } = robot;
-    const old = this.known.get(robot.name) ?? { x, y, heading, hits: robot.hits, hitAt: -Infinity, wheels: [0, 0], track: [] };
-    const turn = Math.atan2(Math.sin(heading - old.heading), Math.cos(heading - old.heading));
-    const ahead = (x - old.x) * Math.cos(heading) + (y - old.y) * Math.sin(heading);
-    const wheels = [old.wheels[0] + ahead - turn * EMITTER, old.wheels[1] + ahead + turn * EMITTER];
-    const track = old.track.filter((point) => now - point.time < TRACK_SECONDS);
-    const last = track.at(-1);
-    if (!last || Math.hypot(last.x - x, last.y - y) > 0.008) track.push({ x, y, time: now });
-    let { hitAt } = old;
-    if (robot.hits > old.hits) {
-      hitAt = now;
-      this.sparks.burst(robot, this.arena.robot_radius, this.arena.height, now);
-    }
-    this.known.set(robot.name, { x, y, heading, hits: robot.hits, hitAt, wheels, track });
+  #look(robot, cast, now) {
+    const role = cast.of(robot) ?? NOBODY;
+    const colour = role.player?.colour ?? colourOf(robot);
+    return {
+      robot,
+      ...role,
+      colour: role.out ? OUT : colour,
+      flash: this.#memory.flash(robot, now),
+      remembered: this.#memory.of(robot),
+      pixels: this.#toPixels(robot),
+      alpha: cast.known && !role.player ? DIM : 1,
+    };
   }
 
-  drawTracks(context, robot, now) {
-    const { track } = this.known.get(robot.name);
-    context.strokeStyle = colourOf(robot);
-    context.lineWidth = 0.012;
-    context.lineCap = "round";
-    for (let n = 1; n < track.length; n++) {
-      context.globalAlpha = 0.28 * (1 - (now - track[n].time) / TRACK_SECONDS);
-      context.beginPath();
-      context.moveTo(track[n - 1].x, track[n - 1].y);
-      context.lineTo(track[n].x, track[n].y);
-      context.stroke();
-    }
+  #drawRobot(context, { robot, colour, flash, remembered, pixels, alpha }) {
+    const sprites = this.#sprites;
+    const [cos, sin] = [Math.cos(robot.heading), Math.sin(robot.heading)];
+    const put = (sprite, ahead = 0, aside = 0) =>
+      context.drawImage(sprite, ahead * this.#scale - sprite.width / 2, -aside * this.#scale - sprite.height / 2);
+    context.globalAlpha = alpha;
+    context.setTransform(1, 0, 0, 1, pixels.x, pixels.y);
+    put(sprites.shadow());
+    context.setTransform(cos, -sin, sin, cos, pixels.x, pixels.y);
+    put(sprites.wheel(remembered.wheels[0]), 0, EMITTER);
+    put(sprites.wheel(remembered.wheels[1]), 0, -EMITTER);
+    put(sprites.body(colour, robot.beam, flash > 0));
+    context.setTransform(1, 0, 0, 1, pixels.x, pixels.y);
+    put(sprites.number(robot.id ?? "?"));
     context.globalAlpha = 1;
   }
 
-  drawBeam(context, robot, robots) {
-    const { beam_range: range, beam_half_angle: half, robot_radius: radius, walls } = this.arena;
-    const x = robot.x + EMITTER * Math.cos(robot.heading);
-    const y = robot.y + EMITTER * Math.sin(robot.heading);
-    const others = robots.filter((other) => other.name !== robot.name);
-    const glow = context.createRadialGradient(x, y, 0, x, y, range);
-    glow.addColorStop(0, "rgba(255, 80, 120, 0.55)");
-    glow.addColorStop(0.35, "rgba(255, 50, 95, 0.26)");
-    glow.addColorStop(0.85, "rgba(255, 40, 90, 0.13)");
-    glow.addColorStop(1, "rgba(255, 40, 90, 0)");
-    context.fillStyle = glow;
-    for (const width of [1, 0.66, 0.34, 0.1]) { // brighter towards the axis
-      const rays = fan(x, y, robot.heading, half * width, 40, range, walls, others, radius);
-      context.beginPath();
-      context.moveTo(x, y);
-      for (const { angle, distance } of rays) context.lineTo(x + distance * Math.cos(angle), y + distance * Math.sin(angle));
-      context.fill();
-      if (width === 1) this.drawImpacts(context, x, y, rays);
+  #drawLight(context, robots, shown, effects, word, still, now) {
+    const { robot_radius: radius } = this.#arena;
+    context.globalCompositeOperation = "lighter";
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    const halo = this.#sprites.halo();
+    for (const { robot, flash, pixels } of shown) {
+      if (flash <= 0) continue;
+      context.globalAlpha = flash * (robot.lit && !still ? 0.85 + 0.15 * Math.sin(now * 60) : 1);
+      context.drawImage(halo, pixels.x - halo.width / 2, pixels.y - halo.height / 2);
     }
+    context.globalAlpha = 1;
+    this.#toMetres(context);
+    for (const { robot, flash } of shown) if (flash > 0 && !still) drawShock(context, robot, radius, flash);
+    for (const robot of robots) if (robot.beam) drawBeam(context, robot, robots, this.#arena, effects.glow);
+    this.#sparks.draw(context, now, word, still);
+    context.globalCompositeOperation = "source-over";
   }
 
-  /** Light on the chassis that it falls on. */
-  drawImpacts(context, x, y, rays) {
-    context.save();
-    context.lineCap = "round";
-    context.lineWidth = 0.01;
-    context.strokeStyle = "rgba(255, 190, 205, 0.9)";
-    context.shadowColor = "#ff3d6e";
-    context.shadowBlur = 0.05 * this.scale;
-    context.beginPath();
-    rays.forEach(({ angle, distance, robot }, n) => {
-      if (!robot) return;
-      const point = [x + distance * Math.cos(angle), y + distance * Math.sin(angle)];
-      if (rays[n - 1]?.robot === robot) context.lineTo(...point);
-      else context.moveTo(...point);
-    });
-    context.stroke();
-    context.restore();
+  #drawTags(context, shown, cast) {
+    const played = shown.filter(({ player }) => player);
+    const entries = played.sort((one, other) => one.isMe - other.isMe); // the own one on top
+    this.#tags.draw(
+      context,
+      entries.map(({ robot, player, colour, isMe, pixels }) => ({ robot, player, colour, isMe, ...pixels })),
+      {
+        scale: this.#scale,
+        density: this.#density,
+        width: this.#canvas.width,
+        height: this.#canvas.height,
+        radius: this.#arena.robot_radius * this.#scale,
+        you: cast.words.you,
+      },
+    );
   }
+}
+
+/** A wave runs outwards from a robot that has been hit. */
+function drawShock(context, { x, y }, radius, flash) {
+  context.strokeStyle = `rgba(255, 210, 220, ${flash * flash})`;
+  context.lineWidth = 0.006 * flash;
+  context.beginPath();
+  context.arc(x, y, radius * (1 + 0.9 * (1 - flash)), 0, 2 * Math.PI);
+  context.stroke();
 }

@@ -3,24 +3,19 @@
 import { write } from "./text.js";
 
 const LIFE = 0.7; // s
-const COUNT = 26; // sparks a hit
-const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 export class Sparks {
-  constructor() {
-    this.sparks = [];
-    this.words = [];
-  }
+  #sparks = [];
+  #words = [];
 
-  /** `robot` has been hit at `now` (s); words stay below `top` (m). */
-  burst(robot, radius, top, now) {
+  /** `robot` has been hit at `now` (s): `count` sparks and a word, which stays below `top` (m). */
+  burst(robot, radius, top, count, now) {
     const above = robot.y + radius * 1.4;
-    this.words.push({ x: robot.x, y: above < top - 0.1 ? above : robot.y - radius * 2.2, born: now });
-    if (still.matches) return;
-    for (let n = 0; n < COUNT; n++) {
+    this.#words.push({ x: robot.x, y: above < top - 0.1 ? above : robot.y - radius * 2.2, born: now });
+    for (let n = 0; n < count; n++) {
       const angle = Math.random() * 2 * Math.PI;
       const speed = 0.12 + 0.4 * Math.random();
-      this.sparks.push({
+      this.#sparks.push({
         x: robot.x + radius * Math.cos(angle),
         y: robot.y + radius * Math.sin(angle),
         vx: speed * Math.cos(angle),
@@ -31,26 +26,27 @@ export class Sparks {
     }
   }
 
-  draw(context, now) {
-    this.sparks = this.sparks.filter(({ born, life }) => now - born < life);
-    this.words = this.words.filter(({ born }) => now - born < 1.5 * LIFE);
+  /** Draw what is left at `now` (s), in metres, y up; `word` rises unless all is to be `still`. */
+  draw(context, now, word, still) {
+    this.#sparks = this.#sparks.filter(({ born, life }) => now - born < life);
+    this.#words = this.#words.filter(({ born }) => now - born < 1.5 * LIFE);
     context.lineCap = "round";
-    for (const { x, y, vx, vy, born, life } of this.sparks) {
-      const part = (now - born) / life;
-      const way = (1 - (1 - part) ** 2) * life * 0.5; // slowed down by the air
-      const tail = 0.05 * (1 - part);
-      context.strokeStyle = `rgba(255, ${Math.round(220 - 140 * part)}, ${Math.round(190 - 110 * part)}, ${1 - part})`;
-      context.lineWidth = 0.005 * (1 - 0.6 * part);
-      context.beginPath();
-      context.moveTo(x + vx * way, y + vy * way);
-      context.lineTo(x + vx * (way - tail), y + vy * (way - tail));
-      context.stroke();
+    for (const spark of this.#sparks) drawSpark(context, spark, (now - spark.born) / spark.life);
+    for (const { x, y, born } of this.#words) {
+      const part = (now - born) / (1.5 * LIFE);
+      context.fillStyle = `rgba(255, 120, 150, ${1 - part * part})`;
+      write(context, word, x, y + (still ? 0 : 0.06 * part), 0.05);
     }
-    for (const word of this.words) this.drawWord(context, word, (now - word.born) / (1.5 * LIFE));
   }
+}
 
-  drawWord(context, { x, y }, part) {
-    context.fillStyle = `rgba(255, 120, 150, ${1 - part * part})`;
-    write(context, "HIT", x, y + (still.matches ? 0 : 0.06 * part), 0.05);
-  }
+function drawSpark(context, { x, y, vx, vy, life }, part) {
+  const way = (1 - (1 - part) ** 2) * life * 0.5; // slowed down by the air
+  const tail = 0.05 * (1 - part);
+  context.strokeStyle = `rgba(255, ${Math.round(220 - 140 * part)}, ${Math.round(190 - 110 * part)}, ${1 - part})`;
+  context.lineWidth = 0.005 * (1 - 0.6 * part);
+  context.beginPath();
+  context.moveTo(x + vx * way, y + vy * way);
+  context.lineTo(x + vx * (way - tail), y + vy * (way - tail));
+  context.stroke();
 }

@@ -1,0 +1,79 @@
+// How many effects the picture has: as many as the machine draws in time. Pure.
+
+/**
+ * From all effects to the fewest. `glow` = layers of a beam, `smoke` = puffs over a robot that is out, `sparks` = of a
+ * hit, `density` = the most canvas pixels for a CSS pixel.
+ */
+export const LEVELS = [
+  { glow: 4, smoke: 8, sparks: 26, tracks: true, density: 2 },
+  { glow: 2, smoke: 5, sparks: 12, tracks: true, density: 1.5 },
+  { glow: 1, smoke: 3, sparks: 6, tracks: false, density: 1 },
+  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 0.75 },
+];
+const REDUCED = 2; // the level of who wants few effects
+
+const SLOW = 20.5; // ms between two pictures, on average; a screen of 50 Hz is not slow
+const WINDOW = 1000; // ms that are judged together
+const PAUSE = 500; // ms without a picture: a hidden tab, not a slow one
+const PATIENCE = 10_000; // ms in time before one level up is tried
+const MOST_PATIENCE = 320_000; // it doubles with each try that was too much
+
+export class Governor {
+  #mode = "auto";
+  #level = 0;
+  #start = null; // of the window
+  #last = 0;
+  #pictures = 0;
+  #inTimeSince = null;
+  #patience = PATIENCE;
+  #tried = false; // the present level is a try
+
+  /** The number of the level, 0 = all effects. */
+  get level() {
+    if (this.#mode === "full") return 0;
+    return this.#mode === "reduced" ? Math.max(REDUCED, this.#level) : this.#level;
+  }
+
+  get effects() {
+    return LEVELS[this.level];
+  }
+
+  /** @param {"full"|"reduced"|"auto"} mode */
+  set mode(mode) {
+    this.#mode = mode;
+  }
+
+  /** A picture is drawn at `now` (ms). */
+  picture(now) {
+    if (this.#start === null || now - this.#last > PAUSE) {
+      this.#begin(now);
+      this.#inTimeSince = now;
+      return;
+    }
+    this.#last = now;
+    this.#pictures += 1;
+    if (now - this.#start < WINDOW) return;
+    const mean = (now - this.#start) / this.#pictures;
+    this.#begin(now);
+    if (mean > SLOW) this.#lower(now);
+    else if (this.#level > 0 && now - this.#inTimeSince >= this.#patience) this.#raise(now);
+  }
+
+  #begin(now) {
+    this.#start = this.#last = now;
+    this.#pictures = 0;
+  }
+
+  #lower(now) {
+    if (this.#tried) this.#patience = Math.min(MOST_PATIENCE, 2 * this.#patience);
+    this.#tried = false;
+    this.#level = Math.min(LEVELS.length - 1, this.#level + 1);
+    this.#inTimeSince = now;
+  }
+
+  #raise(now) {
+    this.#level -= 1;
+    this.#tried = true;
+    this.#inTimeSince = now;
+  }
+}
