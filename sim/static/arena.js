@@ -19,7 +19,6 @@ const seconds = () => performance.now() / 1000;
 document.documentElement.lang = languageOf(navigator.languages);
 const words = wordsOf(document.documentElement.lang);
 for (const element of document.querySelectorAll("[data-word]")) element.textContent = words[element.dataset.word];
-byId("floor").setAttribute("aria-label", words.picture);
 byId("side").setAttribute("aria-label", words.robots);
 document.body.classList.toggle("embedded", isEmbedded);
 
@@ -65,7 +64,10 @@ function takePlayers(players) {
 function showWords() {
   byId("empty").hidden = robots.length > 0;
   byId("empty").textContent = cast.words.empty;
-  if (!isEmbedded) showRows(byId("robots"), rows(robots, cast, words));
+  const list = rows(robots, cast, words);
+  if (!isEmbedded) showRows(byId("robots"), list);
+  const label = [words.picture, ...list.map(({ name, state: life }) => `${name} ${life}`.trim())].join(", ");
+  if (byId("floor").getAttribute("aria-label") !== label) byId("floor").setAttribute("aria-label", label);
 }
 
 function report() {

@@ -8,7 +8,7 @@ export const LEVELS = [
   { glow: 4, smoke: 8, sparks: 26, tracks: true, density: 2 },
   { glow: 2, smoke: 5, sparks: 12, tracks: true, density: 1.5 },
   { glow: 1, smoke: 3, sparks: 6, tracks: false, density: 1 },
-  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 0.75 },
+  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1 },
 ];
 const REDUCED = 2; // the level of who wants few effects
 

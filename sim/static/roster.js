@@ -18,7 +18,7 @@ export function rows(robots, cast, words) {
       state: stateOf(player, words),
       life: player?.ready && !out ? player.life : null,
       colour: out ? OUT : (player?.colour ?? colourOf(robot)),
-      classes: { beam: robot.beam, lit: robot.lit, out: out === true, free: !player },
+      classes: { beam: robot.beam, lit: robot.lit, out: out === true, free: !player, idle: !player?.ready || out },
     };
   });
 }

@@ -59,12 +59,13 @@ export class Scene {
     this.#canvas.width = Math.max(1, Math.round(width * scale * density));
     this.#canvas.height = Math.max(1, Math.round(height * scale * density));
     this.#scale = scale * density;
-    this.#floor = new OffscreenCanvas(this.#canvas.width, this.#canvas.height);
-    const context = this.#floor.getContext("2d", { alpha: false });
+    const floor = new OffscreenCanvas(this.#canvas.width, this.#canvas.height);
+    const context = floor.getContext("2d", { alpha: false });
     context.fillStyle = "#05070f";
-    context.fillRect(0, 0, this.#floor.width, this.#floor.height);
+    context.fillRect(0, 0, floor.width, floor.height);
     this.#toMetres(context);
     paintFloor(context, this.#arena);
+    this.#floor = floor.transferToImageBitmap();
     this.#sprites = new Sprites(this.#scale, this.#arena.robot_radius);
     this.#tags.clear();
   }
@@ -179,7 +180,7 @@ export class Scene {
 
 /** A wave runs outwards from a robot that has been hit. */
 function drawShock(context, { x, y }, radius, flash) {
-  context.strokeStyle = `rgba(255, 210, 220, ${flash * flash})`;
+  context.strokeStyle = `rgba(255, 120, 150, ${flash * flash})`;
   context.lineWidth = 0.006 * flash;
   context.beginPath();
   context.arc(x, y, radius * (1 + 0.9 * (1 - flash)), 0, 2 * Math.PI);

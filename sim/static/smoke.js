@@ -5,7 +5,7 @@ const DRIFT = 0.16; // m that it rises
 
 /**
  * Draw the smoke of one robot; the context is in canvas pixels.
- * @param {OffscreenCanvas} puff
+ * @param {ImageBitmap} puff
  * @param {{x: number, y: number, scale: number}} place in canvas pixels, `scale` for a metre
  * @param {number} count of puffs
  * @param {number} now s; the smoke stands still if it does

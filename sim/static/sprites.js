@@ -20,12 +20,12 @@ export class Sprites {
   }
 
   shadow() {
-    return this.#sprite("shadow", 1.4 * this.#radius, (context) => paintShadow(context, this.#radius));
+    return this.#sprite("shadow", 1.25 * this.#radius, (context) => paintShadow(context, this.#radius));
   }
 
   body(colour, lamp, flash) {
     const paint = (context) => paintBody(context, this.#radius, colour, lamp, flash);
-    return this.#sprite(`body ${colour} ${lamp} ${flash}`, 1.4 * this.#radius, paint);
+    return this.#sprite(`body ${colour} ${lamp} ${flash}`, 1.2 * this.#radius, paint);
   }
 
   /** A wheel that has rolled so far (m). */
@@ -36,7 +36,7 @@ export class Sprites {
   }
 
   number(text) {
-    return this.#sprite(`number ${text}`, this.#radius, (context) => {
+    return this.#sprite(`number ${text}`, 0.6 * this.#radius, (context) => {
       context.fillStyle = "#eaf2ff";
       write(context, text, 0, 0, this.#radius * 0.74);
     });
@@ -50,17 +50,18 @@ export class Sprites {
     return this.#sprite("puff", this.#radius, (context) => paintPuff(context, this.#radius));
   }
 
-  /** A square canvas whose middle is the origin, `reach` m from it to each side. */
+  /** A square picture whose middle is the origin, `reach` m from it to each side. */
   #sprite(key, reach, paint) {
-    let canvas = this.#made.get(key);
-    if (!canvas) {
+    let sprite = this.#made.get(key);
+    if (!sprite) {
       const half = Math.ceil(reach * this.#scale);
-      canvas = new OffscreenCanvas(2 * half, 2 * half);
+      const canvas = new OffscreenCanvas(2 * half, 2 * half);
       const context = canvas.getContext("2d");
       context.setTransform(this.#scale, 0, 0, -this.#scale, half, half);
       paint(context);
-      this.#made.set(key, canvas);
+      sprite = canvas.transferToImageBitmap(); // copied faster than a canvas, which may change
+      this.#made.set(key, sprite);
     }
-    return canvas;
+    return sprite;
   }
 }

@@ -15,7 +15,7 @@ export const lifeColour = (life) => (life > 50 ? "#3dffa2" : life > 25 ? "#ffc53
  * @param {import("./players.js").Player} player
  * @param {{text: string, colour: string, isMe: boolean, avatar: CanvasImageSource|null, scale: number, density: number,
  *   width: number}} look `scale` = CSS px for a metre, `density` = canvas pixels for a CSS px, `width` of the picture (CSS px)
- * @returns {OffscreenCanvas} in canvas pixels
+ * @returns {ImageBitmap} in canvas pixels
  */
 export function paintTag(player, look) {
   const size = fontSize(look.scale);
@@ -45,7 +45,7 @@ export function paintTag(player, look) {
   context.fillText(text.text, start, hasBar ? round * 0.37 : round * 0.53);
   if (hasBar) paintLife(context, player, look, { left: start, top: round * 0.7, width: inner - start - pad, height: Math.max(3, round * 0.16) });
   if (look.avatar) paintAvatar(context, look, player.out, round);
-  return canvas;
+  return canvas.transferToImageBitmap();
 }
 
 function inkOf(player, look) {
@@ -60,7 +60,13 @@ function paintLife(context, player, look, bar) {
     context.fillStyle = colour;
     context.fill();
   };
-  fill(bar.width, look.isMe && !player.out ? "rgba(5, 7, 15, 0.85)" : INK.rail);
+  if (look.isMe && !player.out) { // a dark bed: its plate is as bright as the bar
+    context.beginPath();
+    context.roundRect(bar.left - 1.5, bar.top - 1.5, bar.width + 3, bar.height + 3, bar.height);
+    context.fillStyle = INK.onColour;
+    context.fill();
+  }
+  fill(bar.width, INK.rail);
   if (player.life > 0 && !player.out) fill(Math.max(bar.height, (bar.width * player.life) / 100), lifeColour(player.life));
 }
 

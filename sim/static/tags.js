@@ -9,7 +9,7 @@ const JUMP = 0.5; // m; farther than that a robot has not driven
 
 export class Tags {
   #avatars = new Avatars();
-  #painted = new Map(); // robot's name -> { key, canvas }
+  #painted = new Map(); // robot's name -> { key, label }
   #offsets = new Map(); // robot's name -> where its label stands, from the robot's centre (canvas px)
 
   clear() {
@@ -26,16 +26,22 @@ export class Tags {
    */
   draw(context, entries, picture) {
     const tags = entries.map((entry) => {
-      const canvas = this.#paint(entry, picture);
-      return { x: entry.x, y: entry.y, radius: picture.radius * 1.35, width: canvas.width, height: canvas.height, canvas };
+      const label = this.#paint(entry, picture);
+      return { x: entry.x, y: entry.y, radius: picture.radius * 1.35, width: label.width, height: label.height, label };
     });
-    const places = layOut(tags, picture.width, picture.height);
-    entries.forEach((entry, n) => {
-      const offset = this.#ease(entry.robot.name, { x: places[n].left - entry.x, y: places[n].top - entry.y }, picture.scale);
-      const left = Math.max(0, Math.min(entry.x + offset.x, picture.width - tags[n].width));
-      const top = Math.max(0, Math.min(entry.y + offset.y, picture.height - tags[n].height));
-      context.drawImage(tags[n].canvas, Math.round(left), Math.round(top));
-    });
+    const wanted = layOut(tags, picture.width, picture.height);
+    const places = entries.map((entry, n) => this.#glide(entry, tags[n], wanted[n], picture));
+    entries.forEach((entry, n) => drawLead(context, entry, tags[n], places[n], picture.density));
+    places.forEach(({ left, top }, n) => context.drawImage(tags[n].label, Math.round(left), Math.round(top)));
+  }
+
+  /** Where a label stands now on its way to the wanted place, inside the picture. */
+  #glide({ robot, x, y }, { width, height }, { left, top }, picture) {
+    const offset = this.#ease(robot.name, { x: left - x, y: top - y }, picture.scale);
+    return {
+      left: Math.max(0, Math.min(x + offset.x, picture.width - width)),
+      top: Math.max(0, Math.min(y + offset.y, picture.height - height)),
+    };
   }
 
   /** Labels glide when they give way. */
@@ -53,9 +59,22 @@ export class Tags {
     const text = isMe ? you : player.name;
     const key = JSON.stringify([text, player.life, player.out, player.ready, player.avatar, colour, isMe, scale, density, width]);
     const old = this.#painted.get(robot.name);
-    if (old?.key === key) return old.canvas;
-    const canvas = paintTag(player, { text, colour, isMe, avatar, scale: scale / density, density, width: width / density });
-    this.#painted.set(robot.name, { key, canvas });
-    return canvas;
+    if (old?.key === key) return old.label;
+    const label = paintTag(player, { text, colour, isMe, avatar, scale: scale / density, density, width: width / density });
+    this.#painted.set(robot.name, { key, label });
+    return label;
   }
+}
+
+/** A line to the robot from a label that has given way. */
+function drawLead(context, { x, y, colour }, { radius, width, height }, { left, top }, density) {
+  const near = { x: Math.max(left, Math.min(x, left + width)), y: Math.max(top, Math.min(y, top + height)) };
+  const distance = Math.hypot(near.x - x, near.y - y);
+  if (distance < 1.3 * radius) return;
+  context.strokeStyle = colour;
+  context.lineWidth = 1.5 * density;
+  context.beginPath();
+  context.moveTo(x + ((near.x - x) * radius) / distance, y + ((near.y - y) * radius) / distance);
+  context.lineTo(near.x, near.y);
+  context.stroke();
 }

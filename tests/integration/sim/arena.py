@@ -27,6 +27,7 @@ class Arena:
             "LASERBOT_BIND": HOST,
             "LASERBOT_ARENA_PORT": str(self.view_port),
             "LASERBOT_ARENA_LINK_PORT": str(self.link_port),
+            "LASERBOT_ROSBRIDGE_PORT": str(free_port()),  # nobody is there
         }
         self.start()
 

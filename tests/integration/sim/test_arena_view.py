@@ -68,7 +68,7 @@ def test_the_page_and_all_its_files_are_served(arena: Arena) -> None:
     page = requests.get(base + "/", timeout=5)
     assert page.headers["Content-Type"].startswith("text/html")
     assert "No robot on the floor yet" in page.text
-    for file in ("arena.css", "arena.js", "icon.svg", "scene.js", "robot.js"):
+    for file in ("arena.css", "arena.js", "icon.svg", "scene.js", "players.js"):
         assert requests.get(f"{base}/static/{file}", timeout=5).status_code == 200
     assert requests.get(f"{base}/static/../arena/__main__.py", timeout=5).status_code == 404
     assert requests.get(f"{base}/nowhere", timeout=5).status_code == 404

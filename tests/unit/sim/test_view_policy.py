@@ -1,0 +1,47 @@
+"""What a browser may do with the arena's pages."""
+
+import pytest
+
+from sim.arena.policy import is_host, page_policy
+
+
+def directive(policy: str, name: str) -> set[str]:
+    (found,) = [part.split()[1:] for part in policy.split("; ") if part.split()[0] == name]
+    return set(found)
+
+
+def test_everything_stays_on_the_host_that_was_asked() -> None:
+    policy = page_policy("hall.local:8080", 9091)
+    assert directive(policy, "default-src") == {"'self'"}
+    sockets = {"ws://hall.local:8080", "wss://hall.local:8080", "ws://hall.local:9091", "wss://hall.local:9091"}
+    assert directive(policy, "connect-src") == {"'self'", *sockets}
+    pages = {"'self'", "http://hall.local:*", "https://hall.local:*"}
+    assert directive(policy, "img-src") == directive(policy, "frame-ancestors") == pages
+
+
+@pytest.mark.parametrize(
+    ("host", "name"), [("localhost", "localhost"), ("10.0.0.9:8080", "10.0.0.9"), ("a_b.local", "a_b.local")]
+)
+def test_the_host_is_known_by_its_name_without_the_port(host: str, name: str) -> None:
+    assert f"http://{name}:*" in directive(page_policy(host, 9090), "frame-ancestors")
+
+
+def test_an_ipv6_address_has_no_word_in_the_policys_grammar() -> None:
+    policy = page_policy("[::1]:8080", 9090)
+    assert directive(policy, "connect-src") == {"'self'", "ws:", "wss:"}
+    assert directive(policy, "frame-ancestors") == {"'self'", "http:", "https:"}
+
+
+@pytest.mark.parametrize(
+    "host", ["localhost", "arena:8080", "laser_bot_master.local:1", "127.0.0.1:65535", "[fe80::1]"]
+)
+def test_hosts(host: str) -> None:
+    assert is_host(host)
+
+
+NO_HOSTS = ["", ":80", "a b", "a;script-src *", "a\nb", "a'b", "*", "*.local", "a/b", "u@h", "-a", "[::1", "é.local"]
+
+
+@pytest.mark.parametrize("host", [*NO_HOSTS, "a" * 64, "a." * 140])
+def test_what_is_no_host(host: str) -> None:
+    assert not is_host(host)
