@@ -192,4 +192,4 @@ def test_by_itself_it_hears_from_rosbridge_who_plays(chromium: Browser, screensh
         assert ann.ready() == "OK"
         expect(row).to_contain_text("100 %")
         assert "virtual" not in page.locator("body").inner_text()
-        page.screenshot(path=screenshots / "arena.png")
+        page.screenshot(path=screenshots / "arena_page.png")

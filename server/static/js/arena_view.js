@@ -1,27 +1,10 @@
 // The arena's picture inside a page of the game: an iframe of another port that is told who plays and tells whether it
-// lives. docs/protocol-browser.md, "Arena's view".
-
-import { PLAYING } from "./state.js";
-import { avatarUrl } from "./assets.js";
+// lives. docs/protocol-browser.md, "The arena's view".
 
 const TICK = 1000; // ms between two looks
 const LATE = 3000; // ms between two looks after which this page itself was too busy, or hidden, to hear anything
 const SILENCE = 6000; // ms; the arena speaks at least every 2 s
 const RELOAD = 5000; // ms between two attempts to load the arena
-
-const PHASES = ["stopped", "countdown", "playing"];
-
-/**
- * A state of the battle as the arena wants it.
- * @param {import("./messages.js").Status} status
- * @param {string|null} me this page's player
- */
-export function arenaPlayers(status, me) {
-  const players = status.users.map(({ name, robot, life, ready, avatar }) => ({
-    name, robot, life, ready, out: status.game === PLAYING && ready && life === 0, avatar: avatarUrl(avatar),
-  }));
-  return { me, players, phase: PHASES[status.game] };
-}
 
 /** @typedef {"connecting"|"live"|"lost"|"unreachable"} ArenaState */
 

@@ -1,7 +1,7 @@
 // The game page: who am I, what is the state of the battle, where do my commands go.
 
 import * as api from "./api.js";
-import { ArenaView, arenaPlayers } from "./arena_view.js";
+import { ArenaView } from "./arena_view.js";
 import { Connection } from "./connection.js";
 import * as dialogs from "./dialogs.js";
 import { Driver } from "./driver.js";
@@ -15,6 +15,7 @@ import { help } from "./help.js";
 import { makeJolt, vibrate } from "./jolt.js";
 import { LinkQuality } from "./link.js";
 import { fromReply, fromTopic } from "./messages.js";
+import { arenaPlayers } from "./players.js";
 import { connectPreferences } from "./preferences.js";
 import { Preferences } from "./preferences_store.js";
 import { showResult } from "./result.js";

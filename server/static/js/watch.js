@@ -1,8 +1,9 @@
 // The page for spectators: a screen in the hall, or a phone. Nobody touches it for a whole evening.
 
-import { ArenaView, arenaPlayers } from "./arena_view.js";
+import { ArenaView } from "./arena_view.js";
 import { feedEntry, FeedList } from "./feed_words.js";
 import { askLeaders, Leaders, serverDay } from "./leaders.js";
+import { arenaPlayers } from "./players.js";
 import { connectPreferences } from "./preferences.js";
 import { Programme } from "./programme.js";
 import { StatusFeed } from "./status_feed.js";

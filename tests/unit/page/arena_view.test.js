@@ -1,9 +1,6 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { ArenaView, arenaPlayers } from "../../../server/static/js/arena_view.js";
-import { player, status } from "./samples.js";
-
-globalThis.PICTURES = Object.fromEntries([0, 1, 2, 3, 4].map((n) => [`img/avatar${n}.svg`, `avatar${n}-12345678.svg`]));
+import { ArenaView } from "../../../server/static/js/arena_view.js";
 
 const URL_ = "http://hall.local:8080/?embedded";
 const ORIGIN = "http://hall.local:8080";
@@ -143,13 +140,4 @@ test("a page that was hidden or too busy to listen blames nobody", () => {
 test("after its end it neither listens nor looks", () => {
   view.close();
   assert.deepEqual([timers, listeners], [[], []]);
-});
-
-test("the arena's players come from a state of the battle", () => {
-  const users = [player("Al", { ready: true, life: 0, avatar: 2 }), player("Bo", { robot: 5, ready: false, life: 0 })];
-  const { me, phase, players } = arenaPlayers(status({ game: 2, users }), "Al");
-  assert.deepEqual([me, phase], ["Al", "playing"]);
-  assert.deepEqual(players[0], { name: "Al", robot: 0, life: 0, ready: true, out: true, avatar: "/static/avatar2-12345678.svg" });
-  assert.deepEqual([players[1].robot, players[1].out], [5, false]);
-  assert.equal(arenaPlayers(status({ game: 0, users }), null).players[0].out, false);
 });

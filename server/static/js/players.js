@@ -1,0 +1,17 @@
+// Who plays, as the arena's picture is told (docs/protocol-browser.md, "The arena's view"). Pure.
+
+import { avatarUrl } from "./assets.js";
+import { PLAYING } from "./state.js";
+
+const PHASES = ["stopped", "countdown", "playing"];
+
+/**
+ * @param {import("./messages.js").Status} status
+ * @param {string|null} me this page's player; null for a spectator
+ */
+export function arenaPlayers(status, me) {
+  const players = status.users.map(({ name, robot, life, ready, avatar }) => ({
+    name, robot, life, ready, out: status.game === PLAYING && ready && life === 0, avatar: avatarUrl(avatar),
+  }));
+  return { me, players, phase: PHASES[status.game] };
+}
