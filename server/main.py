@@ -36,6 +36,7 @@ from server.web.fair_server import FairServer
 from server.web.operator import create_operator
 from server.web.operator_access import Access
 from server.web.operator_api import create_operator_api
+from server.web.watch import create_watch
 
 _log = logging.getLogger(__name__)
 
@@ -78,7 +79,7 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
     game.add_listener(positions.follow)
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
-    app = create_app(game, settings, *_operators(game, settings, database, log))
+    app = create_app(game, settings, create_watch(game, settings), *_operators(game, settings, database, log))
     web = FairServer(app, listener, channels)
     game.add_listener(Pulse(web).follow)
     game.start()

@@ -10,8 +10,8 @@ import { build } from "esbuild";
 
 const ROOT = dirname(fileURLToPath(import.meta.url));
 const BUNDLE = `${ROOT}/bundle`;
-const SCRIPTS = ["home", "index", "operator", "plain", "results"];
-const STYLES = ["about", "common", "controls", "error", "feed", "home", "hud", "keys", "lobby", "login", "operator", "podium", "results", "touch"];
+const SCRIPTS = ["home", "index", "operator", "plain", "results", "watch"];
+const STYLES = ["about", "common", "controls", "error", "feed", "home", "hud", "keys", "lobby", "login", "operator", "podium", "results", "touch", "watch"];
 const AVATARS = [0, 1, 2, 3, 4].map((number) => `avatar${number}.svg`);
 const PICTURES = [...AVATARS, "broken.svg", "favicon.png", "favicon.svg", "logo.svg"];
 const COMPRESSED = /\.(js|css|svg|map)$/; // the others are compressed by nature

@@ -23,6 +23,7 @@ from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Client
 from server.settings import Settings
 from server.web.app import create_app
+from server.web.watch import create_watch
 from tests.support.documents import blocks, page, table
 from tests.support.linked import add_linked_robot
 
@@ -38,7 +39,8 @@ class Story:
         self.battle = GameLoop(Referee(Rules()), clock=lambda: self.now)
         for number in range(3):
             add_linked_robot(self.battle, f"/id_service_client_raspberrypi{number + 1}")
-        self.app = create_app(self.battle, Settings.from_env({}))
+        settings = Settings.from_env({})
+        self.app = create_app(self.battle, settings, create_watch(self.battle, settings))
         self.gate, self.drivers, self.graph, self.types = Gate(""), Drivers(), Graph(), Types()
         self._browsers: dict[str, FlaskClient] = {}
         self._clients: dict[str, Client] = {}

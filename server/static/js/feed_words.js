@@ -1,1 +1,68 @@
-export class FeedList { take() {} }
+// The feed on a page: what happens, in words, newest first.
+
+import { avatarUrl } from "./assets.js";
+import { element, setText } from "./dom.js";
+import { changes } from "./feed.js";
+import { list, percent, t } from "./words.js";
+
+const MOST = 6; // entries
+const FRESH = 12_000; // ms that an entry stands out
+
+const TONES = {
+  countdown: "alert", start: "alert", resumed: "alert", ready: "good", hit: "hit", out: "out", end: "win",
+};
+
+/**
+ * A change in words.
+ * @param {import("./feed.js").Change} change
+ * @returns {{text: string, avatar: number|null, tone: "alert"|"good"|"hit"|"out"|"win"|"calm"}}
+ */
+export function feedEntry({ kind, name, avatar, life, winners }) {
+  const tone = TONES[kind] ?? "calm";
+  if (kind === "end") return { text: endText(winners), avatar, tone };
+  return { text: t(`feed.${kind}`, { name, life: life === null ? "" : percent(life) }), avatar, tone };
+}
+
+function endText(winners) {
+  if (winners.length === 0) return t("feed.over");
+  return t(winners.length === 1 ? "feed.win" : "feed.draw", { names: list(winners) });
+}
+
+/** Keeps the newest entries in a list of the page. It is silent: what screen readers say is the page's own choice. */
+export class FeedList {
+  #list;
+  #timers = new Map(); // by node
+
+  /** @param {HTMLOListElement|HTMLUListElement} node */
+  constructor(node) {
+    this.#list = node;
+    node.setAttribute("aria-live", "off");
+  }
+
+  /**
+   * Show what has changed between two states of the battle.
+   * @returns {import("./feed.js").Change[]} the changes
+   */
+  take(previous, current) {
+    const news = changes(previous, current);
+    for (const change of news) this.#add(feedEntry(change));
+    return news;
+  }
+
+  #add({ text, avatar, tone }) {
+    const node = this.#list.children.length < MOST ? makeNode() : this.#list.lastElementChild;
+    clearTimeout(this.#timers.get(node));
+    this.#timers.set(node, setTimeout(() => node.classList.add("is-old"), FRESH));
+    node.classList.remove("is-old");
+    node.dataset.tone = tone;
+    const picture = node.querySelector("img");
+    picture.hidden = avatar === null;
+    if (avatar !== null && picture.getAttribute("src") !== avatarUrl(avatar)) picture.src = avatarUrl(avatar);
+    setText(node.querySelector("span"), text);
+    this.#list.prepend(node);
+  }
+}
+
+function makeNode() {
+  return element("li", { className: "feed-entry" }, element("img", { alt: "", width: 40, height: 40 }), element("span"));
+}

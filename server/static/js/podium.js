@@ -1,3 +1,88 @@
+// The result of a battle as a podium.
+
 import { avatarUrl } from "./assets.js";
 import { element } from "./dom.js";
-export const podiumView = (result) => element("ol", {}, ...result.map((e) => element("li", {}, element("img", { src: avatarUrl(e.avatar), width: 40, height: 40, alt: "" }), `${e.place} ${e.name} ${e.life}`)));
+import { percent, t } from "./words.js";
+
+/** @typedef {import("./messages.js").Player} Player */
+
+const METALS = ["gold", "silver", "bronze"];
+
+/**
+ * Who stands on which step. Ties share one, and the place after them stays empty; who has left early stands on none.
+ * @param {Player[]} result best first
+ * @returns {{steps: {metal: "gold"|"silver"|"bronze", place: number, players: Player[]}[], rest: Player[]}}
+ */
+export function podium(result) {
+  const steps = METALS.map((metal, index) => {
+    const place = index + 1;
+    return { metal, place, players: result.filter((entry) => entry.place === place && !entry.left) };
+  }).filter((step) => step.players.length > 0);
+  const honoured = new Set(steps.flatMap((step) => step.players));
+  return { steps, rest: result.filter((entry) => !honoured.has(entry)) };
+}
+
+/**
+ * The podium and, below it, everybody else.
+ * @param {Player[]} result best first
+ * @param {string|null} me this page's player
+ */
+export function podiumView(result, me) {
+  const { steps, rest } = podium(result);
+  return element(
+    "div",
+    { className: "podium" },
+    element("ol", { className: "podium-steps" }, ...steps.map((step) => stepView(step, me))),
+    rest.length > 0 && restView(rest, me),
+  );
+}
+
+function stepView({ metal, place, players }, me) {
+  const crowd = element("div", { className: "podium-crowd" }, ...players.map((player) => honouredView(player, me)));
+  const block = element(
+    "div",
+    { className: "podium-block" },
+    element("span", { className: "visually-hidden" }, `${t(`podium.${metal}`)}, `),
+    element("span", {}, String(place)),
+  );
+  const step = element("li", { className: "podium-step", value: place }, block, crowd);
+  step.dataset.metal = metal;
+  step.dataset.crowd = players.length > 2 ? "many" : "few";
+  return step;
+}
+
+function honouredView(player, me) {
+  return element(
+    "figure",
+    { className: player.name === me ? "podium-player is-me" : "podium-player" },
+    element("img", { src: avatarUrl(player.avatar), alt: "", width: 96, height: 96 }),
+    element(
+      "figcaption",
+      {},
+      element("strong", {}, player.name),
+      player.name === me && element("em", {}, t("podium.you")),
+      element("span", { className: "podium-note" }, noteOf(player)),
+    ),
+  );
+}
+
+function restView(rest, me) {
+  const rows = rest.map((player) =>
+    element(
+      "li",
+      { className: player.name === me ? "is-me" : "", value: player.place },
+      element("span", { className: "podium-place" }, String(player.place)),
+      element("img", { src: avatarUrl(player.avatar), alt: "", width: 32, height: 32 }),
+      element("strong", {}, player.name),
+      player.name === me && element("em", {}, t("podium.you")),
+      element("span", { className: "podium-note" }, noteOf(player)),
+    ),
+  );
+  const list = element("ol", { className: "podium-rest" }, ...rows);
+  list.setAttribute("aria-label", t("podium.rest"));
+  return list;
+}
+
+function noteOf({ left, life }) {
+  return left ? t("podium.left") : t("podium.life", { life: percent(life) });
+}

@@ -1,0 +1,63 @@
+// The page for spectators: a screen in the hall, or a phone. Nobody touches it for a whole evening.
+
+import { ArenaView } from "./arena_view.js";
+import { avatarUrl } from "./assets.js";
+import { feedEntry, FeedList } from "./feed_words.js";
+import { askLeaders, Leaders, serverDay } from "./leaders.js";
+import { playersShown } from "./players.js";
+import { connectPreferences } from "./preferences.js";
+import { Programme } from "./programme.js";
+import { StatusFeed } from "./status_feed.js";
+import * as view from "./watch_view.js";
+
+const TICK = 500; // ms between two looks at what is to be shown
+const ANNOUNCED = new Set(["countdown", "cancelled", "start", "out", "end", "aborted", "paused", "resumed"]);
+
+const byId = (id) => document.getElementById(id);
+const setting = (name) => document.querySelector(`meta[name=${name}]`)?.content;
+
+const feed = new FeedList(byId("feed"));
+const programme = new Programme();
+const leaders = new Leaders(() => askLeaders(serverDay(Date.now(), Number(setting("utc-offset")))));
+const arena = openArena();
+let status = null;
+let shown = null; // the players of the leaderboard on the page
+
+function take(current) {
+  const news = feed.take(status, current);
+  status = current;
+  programme.take(current, news, performance.now());
+  if (news.some((change) => change.kind === "end")) view.showPodium(current.result);
+  view.showStatus(current);
+  view.announce(news.filter((change) => ANNOUNCED.has(change.kind)).map((change) => feedEntry(change).text).join(" "));
+  arena?.show(playersShown(current, null, (avatar) => new URL(avatarUrl(avatar), location.href).href));
+  look();
+}
+
+/** Time passes, though nothing else may. */
+function look() {
+  leaders.tick(status !== null && !programme.isBusy);
+  if (leaders.players !== shown) {
+    shown = leaders.players;
+    view.showLeaders(shown);
+  }
+  view.showPanel(programme.panel(performance.now(), shown.length > 0));
+}
+
+/** The arena's picture, where there is one: it is on the host that served this page. */
+function openArena() {
+  const port = setting("view-port");
+  document.body.dataset.arena = port ? "yes" : "no";
+  if (!port) return null;
+  view.showArena("connecting");
+  const url = `${location.protocol}//${location.hostname}:${port}/?embedded`;
+  return new ArenaView({ frame: byId("arena"), url, onState: view.showArena });
+}
+
+connectPreferences();
+new StatusFeed({
+  url: `${location.protocol === "https:" ? "wss" : "ws"}://${location.hostname}:${setting("rosbridge-port")}`,
+  onStatus: take,
+  onState: view.showConnection,
+}).start();
+setInterval(look, TICK);

@@ -1,0 +1,156 @@
+// The elements of the page for spectators, set from the state. Nodes of people who stay are kept.
+
+import { avatarUrl } from "./assets.js";
+import { element, setLife, setText } from "./dom.js";
+import { leadersView } from "./leaders.js";
+import { podiumView } from "./podium.js";
+import { clockText, COUNTDOWN, PLAYING, STOPPED } from "./state.js";
+import { list, percent, t } from "./words.js";
+
+const QUEUE = 8; // names shown
+const FEW = 6; // players; more get smaller rows
+const MANY = 12; // players; more stand in two columns
+const LAST = 30; // s in which the clock is red
+
+const byId = (id) => document.getElementById(id);
+const calm = matchMedia("(prefers-reduced-motion: reduce)");
+
+/** Everything that depends on the state of the battle. @param {import("./status_feed.js").WatchedStatus} status */
+export function showStatus(status) {
+  document.body.dataset.paused = status.paused;
+  setText(byId("headline"), headline(status));
+  const message = byId("message");
+  message.hidden = status.message === "";
+  setText(message, status.message);
+  showClock(status);
+  showCountdown(status);
+  showPlayers(status);
+  showQueue(status.waiting);
+  showFree(status.free);
+}
+
+function headline({ game, paused, users }) {
+  if (paused && game !== STOPPED) return t("watch.paused");
+  if (game === COUNTDOWN) return t("watch.countdown");
+  const ready = users.filter((user) => user.ready);
+  if (game === PLAYING) return t("watch.alive", { n: ready.filter((user) => user.life > 0).length });
+  return ready.length === 0 ? t("watch.idle_none") : t("watch.idle", { n: ready.length });
+}
+
+function showClock({ game, timeLeft }) {
+  const clock = byId("clock");
+  clock.hidden = game === STOPPED;
+  if (clock.hidden) return;
+  setText(clock.firstElementChild, t(game === PLAYING ? "watch.time_left" : "watch.starts_in"));
+  setText(clock.lastElementChild, clockText(timeLeft));
+  clock.dataset.last = game === PLAYING && timeLeft <= LAST;
+}
+
+function showCountdown({ game, timeLeft }) {
+  const number = byId("countdown");
+  number.hidden = game !== COUNTDOWN;
+  const seconds = String(Math.ceil(timeLeft));
+  if (number.hidden || number.textContent === seconds) return;
+  number.textContent = seconds;
+  if (calm.matches) return;
+  number.animate([{ transform: "scale(1.6)", opacity: 0 }, { transform: "scale(1)", opacity: 1 }], { duration: 250, easing: "ease-out" });
+}
+
+function showPlayers({ users, game }) {
+  const shown = byId("players");
+  shown.dataset.size = users.length <= FEW ? "few" : users.length <= MANY ? "many" : "crowd";
+  byId("nobody").hidden = users.length > 0;
+  const rows = new Map([...shown.children].map((row) => [row.dataset.name, row]));
+  const wanted = users.map((user) => {
+    const row = rows.get(user.name) ?? makeRow(user.name);
+    fillRow(row, user, game);
+    return row;
+  });
+  const isOther = wanted.length !== shown.children.length || wanted.some((row, index) => shown.children[index] !== row);
+  if (isOther) shown.replaceChildren(...wanted);
+}
+
+function makeRow(name) {
+  const bar = element("div", { className: "bar" }, element("div", { className: "bar-fill" }));
+  bar.setAttribute("role", "progressbar");
+  bar.setAttribute("aria-valuemin", "0");
+  bar.setAttribute("aria-valuemax", "100");
+  bar.setAttribute("aria-label", t("watch.life_of", { name }));
+  const row = element(
+    "li",
+    { className: "watch-player" },
+    element("img", { alt: "", width: 64, height: 64 }),
+    element("strong", { className: "watch-name" }, name),
+    element("span", { className: "watch-robot" }),
+    element("span", { className: "watch-life" }),
+    bar,
+  );
+  row.dataset.name = name;
+  return row;
+}
+
+function fillRow(row, user, game) {
+  const picture = row.querySelector("img");
+  if (picture.getAttribute("src") !== avatarUrl(user.avatar)) picture.src = avatarUrl(user.avatar);
+  const { state, text } = standing(user, game);
+  row.dataset.state = state;
+  setText(row.querySelector(".watch-robot"), t("watch.robot", { n: user.robot }));
+  setText(row.querySelector(".watch-life"), text);
+  const bar = row.querySelector(".bar");
+  bar.hidden = game !== PLAYING || !user.ready;
+  setLife(bar, user.life);
+}
+
+function standing({ ready, life }, game) {
+  if (game === PLAYING) {
+    if (!ready) return { state: "absent", text: t("watch.not_in") };
+    return life > 0 ? { state: "fighting", text: percent(life) } : { state: "out", text: t("watch.out") };
+  }
+  return ready ? { state: "ready", text: t("watch.ready") } : { state: "absent", text: t("watch.not_ready") };
+}
+
+function showQueue(waiting) {
+  byId("queue").hidden = waiting.length === 0;
+  const names = waiting.slice(0, QUEUE);
+  const more = waiting.length - names.length;
+  setText(byId("queue-names"), more > 0 ? `${names.join(", ")} ${t("watch.more", { n: more })}` : list(names));
+}
+
+function showFree(free) {
+  const line = byId("free");
+  line.dataset.none = free === 0;
+  setText(line, free === 0 ? t("watch.free_none") : t("watch.free", { n: free }));
+}
+
+/** Show this panel and no other. @param {import("./programme.js").Panel} panel */
+export function showPanel(panel) {
+  document.body.dataset.panel = panel;
+  byId("join").hidden = panel !== "join";
+  byId("leaders").hidden = panel !== "leaders";
+  byId("podium").hidden = panel !== "podium";
+}
+
+/** @param {import("./messages.js").Player[]} result */
+export const showPodium = (result) => byId("podium-view").replaceChildren(podiumView(result, null));
+
+/** @param {import("./leaders.js").Leader[]} players */
+export const showLeaders = (players) => byId("leaders-table").replaceChildren(leadersView(players));
+
+/** @param {import("./status_feed.js").FeedState} state */
+export function showConnection(state) {
+  const banner = byId("banner");
+  banner.hidden = state !== "lost";
+  setText(banner, banner.hidden ? "" : t("watch.lost"));
+}
+
+/** What is wrong with the arena's picture, in its place. @param {import("./arena_view.js").ArenaState} state */
+export function showArena(state) {
+  const note = byId("arena-note");
+  note.hidden = state === "live";
+  setText(note, note.hidden ? "" : t(`watch.arena_${state}`));
+}
+
+/** Said by screen readers. */
+export function announce(text) {
+  if (text) byId("announcer").textContent = text;
+}
