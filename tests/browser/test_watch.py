@@ -71,6 +71,9 @@ def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Battle, screensho
         screen.screenshot(path=screenshots / "watch-podium.png")
         expect(body).to_have_attribute("data-panel", panel("leaders"), timeout=60_000)
         expect(screen.locator("#leaders tbody tr").first).to_have_text(re.compile("^1Ann11$"))
+        expect(feed.locator("li")).to_have_count(6)  # the newest, and by now all are old
+        expect(feed.locator("li.is-old")).to_have_count(6)
+        expect(feed.locator("li").first).to_have_text("Ann wins!")
         screen.screenshot(path=screenshots / "watch-leaders.png")
         expect(body).to_have_attribute("data-panel", panel("join"), timeout=60_000)
 

@@ -41,7 +41,7 @@ function showClock({ game, timeLeft }) {
   const clock = byId("clock");
   clock.hidden = game === STOPPED;
   if (clock.hidden) return;
-  setText(clock.firstElementChild, t(game === PLAYING ? "watch.time_left" : "watch.starts_in"));
+  setText(clock.firstElementChild, game === PLAYING ? t("watch.time_left") : t("watch.starts_in"));
   setText(clock.lastElementChild, clockText(timeLeft));
   clock.dataset.last = game === PLAYING && timeLeft <= LAST;
 }
