@@ -25,7 +25,8 @@ export function feedEntry({ kind, name, avatar, life, winners }) {
 
 function endText(winners) {
   if (winners.length === 0) return t("feed.over");
-  return t(winners.length === 1 ? "feed.win" : "feed.draw", { names: list(winners) });
+  const names = list(winners);
+  return winners.length === 1 ? t("feed.win", { names }) : t("feed.draw", { names });
 }
 
 /** Keeps the newest entries in a list of the page. It is silent: what screen readers say is the page's own choice. */

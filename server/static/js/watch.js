@@ -49,7 +49,8 @@ function openArena() {
   document.body.dataset.arena = port ? "yes" : "no";
   if (!port) return null;
   view.showArena("connecting");
-  return new ArenaView({ frame: byId("arena"), url: `${location.protocol}//${location.hostname}:${port}`, onState: view.showArena });
+  const url = `${location.protocol}//${location.hostname}:${port}/?embedded`;
+  return new ArenaView({ frame: byId("arena"), url, onState: view.showArena });
 }
 
 connectPreferences();

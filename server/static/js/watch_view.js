@@ -26,8 +26,7 @@ export function showStatus(status) {
   showCountdown(status);
   showPlayers(status);
   showQueue(status.waiting);
-  const none = status.free === 0;
-  setText(byId("free"), none ? t("watch.free_none") : t("watch.free", { n: status.free }));
+  showFree(status.free);
 }
 
 function headline({ game, paused, users }) {
@@ -42,7 +41,7 @@ function showClock({ game, timeLeft }) {
   const clock = byId("clock");
   clock.hidden = game === STOPPED;
   if (clock.hidden) return;
-  setText(clock.firstElementChild, t(game === PLAYING ? "watch.time_left" : "watch.starts_in"));
+  setText(clock.firstElementChild, game === PLAYING ? t("watch.time_left") : t("watch.starts_in"));
   setText(clock.lastElementChild, clockText(timeLeft));
   clock.dataset.last = game === PLAYING && timeLeft <= LAST;
 }
@@ -115,6 +114,12 @@ function showQueue(waiting) {
   const names = waiting.slice(0, QUEUE);
   const more = waiting.length - names.length;
   setText(byId("queue-names"), more > 0 ? `${names.join(", ")} ${t("watch.more", { n: more })}` : list(names));
+}
+
+function showFree(free) {
+  const line = byId("free");
+  line.dataset.none = free === 0;
+  setText(line, free === 0 ? t("watch.free_none") : t("watch.free", { n: free }));
 }
 
 /** Show this panel and no other. @param {import("./programme.js").Panel} panel */

@@ -1,0 +1,153 @@
+"""What spectators cost the drivers: `python3 -m tests.bench.bench_spectators` prints the latency of commands through
+rosbridge, of 4 drivers at 40 Hz each, while 0, 50 and 200 guests watch a battle as the page /watch does.
+"""
+
+import argparse
+import contextlib
+import json
+import re
+import selectors
+import statistics
+import threading
+import time
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import rospy
+
+from laser_bot_battle.msg import GameStatus, UserStatus
+from laser_bot_battle.names import GAME_STATUS
+from tests.bench.bench_rosbridge import Bench, Figures, cpu_seconds, our_rosbridge
+from tests.bench.rosbridge_load import SIGN_OF_LIFE, Remote, RosSide, Sockets
+from tests.support.bare import PONG, BareClient, frame
+from tests.support.programs import ROOT
+
+GUESTS = (0, 50, 200)
+DRIVERS = 4
+RATE = 40  # commands/s of each
+CHANGES = 10  # states/s of a fierce battle
+SECONDS = 10.0
+PAGE = Path("server/static/js/status_feed.js")
+
+
+class Referee:
+    """Publishes a battle that changes all the time."""
+
+    def __init__(self) -> None:
+        rospy.init_node("bench_referee", anonymous=True, disable_signals=True)
+        self._publisher = rospy.Publisher(GAME_STATUS, GameStatus, latch=True, queue_size=10)
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._play)
+        self._thread.start()
+
+    def _play(self) -> None:
+        life = 100
+        while not self._over.wait(1 / CHANGES):
+            life = life - 1 or 100
+            users = [
+                UserStatus(name=f"driver{number}", robot=number, life=life, ready=True) for number in range(DRIVERS)
+            ]
+            self._publisher.publish(GameStatus(game=GameStatus.PLAYING, time_left=life, battle=1, users=users))
+
+    def close(self) -> None:
+        self._over.set()
+        self._thread.join()
+        rospy.signal_shutdown("done")
+
+
+class Guests:
+    """Pages that watch; they read what comes and answer nothing."""
+
+    def __init__(self, host: str, port: int, subscription: dict[str, object]) -> None:
+        self._host, self._port, self._subscription = host, port, subscription
+        self._clients: list[BareClient] = []
+        self._selector = selectors.DefaultSelector()
+        self._bytes = 0
+        self._over = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def watch(self, count: int) -> None:
+        """Until there are `count` of them."""
+        self.close()
+        self._over.clear()
+        for _ in range(count):
+            client = BareClient(self._port, host=self._host)
+            client.say(**self._subscription)  # type: ignore[arg-type]
+            self._clients.append(client)
+            self._selector.register(client.socket, selectors.EVENT_READ)
+        self._thread = threading.Thread(target=self._read)
+        self._thread.start()
+
+    def heard(self) -> int:
+        """Bytes, since they were asked last."""
+        count, self._bytes = self._bytes, 0
+        return count
+
+    def close(self) -> None:
+        self._over.set()
+        if self._thread:
+            self._thread.join()
+        for client in self._clients:
+            self._selector.unregister(client.socket)
+            client.close()
+        self._clients.clear()
+
+    def _read(self) -> None:
+        alive = time.monotonic()
+        pong = frame(b"", PONG)
+        while not self._over.is_set():
+            for key, _ in self._selector.select(0.1):
+                data = key.fileobj.recv(1 << 18)  # type: ignore[union-attr]
+                if not data:
+                    raise ConnectionError("rosbridge has ended a guest's connection")
+                self._bytes += len(data)
+            if time.monotonic() > alive + SIGN_OF_LIFE:
+                alive = time.monotonic()
+                for client in self._clients:
+                    client.send(pong)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description="What spectators cost the drivers.")
+    parser.add_argument("--seconds", type=float, default=SECONDS, help="for each row")
+    arguments = parser.parse_args()
+    with contextlib.ExitStack() as stack:
+        server = stack.enter_context(our_rosbridge())
+        address = urlsplit(server.url)
+        drivers = Remote(Sockets, address.hostname, address.port, "")
+        stack.callback(drivers.close)
+        ros = Remote(RosSide)
+        stack.callback(ros.close)
+        referee = Remote(Referee)
+        stack.callback(referee.close)
+        guests = Remote(Guests, address.hostname, address.port, page_subscription())
+        stack.callback(guests.close)
+        bench = Bench(server, drivers, ros)
+        topics = [f"/bench{number}/command" for number in range(DRIVERS)]
+        print(f"{DRIVERS} drivers at {RATE} Hz, {CHANGES} states/s")
+        print(f"{'guests':>8}{'p50 ms':>10}{'p99 ms':>10}{'lost':>16}{'CPU %':>8}{'kB/s to all':>14}", flush=True)
+        for count in GUESTS:
+            guests.call("watch", count)
+            guests.call("heard")
+            begin, cpu = time.monotonic(), cpu_seconds(server.pid)
+            figures = bench.publish(topics, DRIVERS * RATE, arguments.seconds)
+            passed = time.monotonic() - begin
+            show(count, figures, (cpu_seconds(server.pid) - cpu) / passed, guests.call("heard") / passed)
+
+
+def page_subscription() -> dict[str, object]:
+    """What the page sends, from its source."""
+    (text,) = re.findall(r"^const SUBSCRIPTION = (\{.*?^\});", (ROOT / PAGE).read_text(), re.DOTALL | re.MULTILINE)
+    without_comments = re.sub(r"//.*", "", text)
+    quoted = re.sub(r"(\w+):", r'"\1":', without_comments)
+    return dict(json.loads(re.sub(r",\s*\}", "}", quoted)))
+
+
+def show(guests: int, figures: Figures, load: float, rate: float) -> None:
+    p50, p99 = statistics.median(figures.latencies) * 1e3, statistics.quantiles(figures.latencies, n=100)[98] * 1e3
+    lost = f"{figures.lost} of {figures.sent}"
+    print(f"{guests:8}{p50:10.2f}{p99:10.2f}{lost:>16}{load * 100:8.1f}{rate / 1000:14.0f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,145 @@
+"""The screen for spectators, in a real browser on the whole chain."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import requests
+import segno
+from playwright.sync_api import Browser, Page, WebSocketRoute, expect
+
+from tests.support.battle import Battle
+from tests.support.play import hunt_down, shoot_to_the_end, start
+from tests.support.player import Eyes, Player, players_and_free_robots
+from tests.support.polling import until
+
+PROJECTOR = {"width": 1920, "height": 1080}
+
+
+@pytest.fixture(scope="module")
+def battle() -> Iterator[Battle]:
+    with Battle(robots=2, LASERBOT_HIT_DAMAGE="25", LASERBOT_COUNTDOWN="3") as running:
+        yield running
+
+
+@pytest.fixture
+def screen(chromium: Browser, battle: Battle) -> Iterator[Page]:
+    """The page on a projector; nothing in it may fail."""
+    context = chromium.new_context(viewport=PROJECTOR, color_scheme="dark")  # type: ignore[arg-type]
+    page = context.new_page()
+    complaints: list[str] = []
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(f"{battle.web}/watch")
+    yield page
+    context.close()
+    assert complaints == []
+
+
+def panel(name: str) -> re.Pattern[str]:
+    return re.compile(rf"^{name}$")
+
+
+@pytest.mark.timeout(600)  # its own deadlines are for a busy machine
+def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Battle, screenshots: Path) -> None:
+    body, players, feed = screen.locator("body"), screen.locator("#players"), screen.locator("#feed")
+    expect(body).to_have_attribute("data-panel", panel("join"))
+    expect(screen.locator(".watch-address")).to_have_text(battle.web.removeprefix("http://"))
+    drawn = screen.locator(".watch-code svg path").last.get_attribute("d")
+    assert drawn
+    assert f'd="{drawn}"' in segno.make(battle.web, micro=False, error="m").svg_inline(border=4)
+    expect(screen.locator("#arena")).to_be_visible()
+    with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob, Eyes(battle) as eyes:
+        expect(players).to_contain_text("Ann")
+        expect(players).to_contain_text("Bob")
+        expect(feed).to_contain_text("Bob is here")
+        screen.screenshot(path=screenshots / "watch-join.png")
+        assert (ann.ready(), bob.ready()) == ("OK", "OK")
+        expect(screen.locator("#countdown")).to_have_text(re.compile("^[123]$"))
+        start(ann, bob)
+        expect(body).to_have_attribute("data-panel", panel("battle"))
+        expect(screen.locator("#clock strong")).to_have_text(re.compile(r"^[45]:\d\d$"))
+        hunt_down(ann, bob, eyes, 75)
+        expect(feed).to_contain_text("Bob is hit")
+        expect(players.locator("[data-name=Bob] [role=progressbar]")).not_to_have_attribute("aria-valuenow", "100")
+        expect(players.locator("[data-name=Ann] [role=progressbar]")).to_have_attribute("aria-valuenow", "100")
+        screen.screenshot(path=screenshots / "watch-battle.png")
+        shoot_to_the_end(ann, bob, eyes)
+        expect(body).to_have_attribute("data-panel", panel("podium"))
+        expect(screen.locator("[data-metal=gold]")).to_contain_text("Ann")
+        expect(screen.locator("[data-metal=silver]")).to_contain_text("Bob")
+        screen.screenshot(path=screenshots / "watch-podium.png")
+        expect(body).to_have_attribute("data-panel", panel("leaders"), timeout=60_000)
+        expect(screen.locator("#leaders tbody tr").first).to_have_text(re.compile("^1Ann11$"))
+        expect(feed.locator("li")).to_have_count(6)  # the newest, and by now all are old
+        expect(feed.locator("li.is-old")).to_have_count(6)
+        expect(feed.locator("li").first).to_have_text("Ann wins!")
+        screen.screenshot(path=screenshots / "watch-leaders.png")
+        expect(body).to_have_attribute("data-panel", panel("join"), timeout=60_000)
+
+
+def test_who_waits_is_told_in_order(screen: Page, battle: Battle) -> None:
+    with Player(battle, "Ann"), Player(battle, "Bob"), requests.Session() as cy, requests.Session() as di:
+        waiting = {"Cy": cy, "Di": di}
+        for name, http in waiting.items():
+            assert '"QUEUED"' in http.post(f"{battle.web}/signUpUser", data={"data": name, "wait": 1}, timeout=5).text
+        expect(screen.locator("#queue-names")).to_have_text("Cy and Di")
+        for name, http in waiting.items():
+            http.post(f"{battle.web}/signOutUser", data={"data": name}, timeout=5)
+        expect(screen.locator("#queue")).to_be_hidden()
+
+
+def test_a_killed_server_is_told_and_found_again(screen: Page, battle: Battle) -> None:
+    expect(screen.locator("#headline")).not_to_have_text("Connecting...")
+    with battle.pause(r"python3 -m server\.main"):
+        expect(screen.locator("#banner")).to_have_text("The server does not answer. This page keeps trying.")
+    expect(screen.locator("#banner")).to_be_hidden()
+    battle.kill(r"python3 -m server\.main")
+    until(lambda: players_and_free_robots(battle) == ([], 2), 30, "the server is back")
+    with Player(battle, "Eve"):
+        expect(screen.locator("#players")).to_contain_text("Eve")
+    expect(screen.locator("#banner")).to_be_hidden()
+
+
+def test_without_a_place_at_rosbridge_the_state_comes_by_http_and_keeps_nobody_signed_in(
+    chromium: Browser, battle: Battle
+) -> None:
+    def refuse(socket: WebSocketRoute) -> None:
+        socket.close()
+
+    context = chromium.new_context()
+    context.request.post(f"{battle.web}/signUpUser", form={"data": "Ann"})
+    page = context.new_page()
+    page.route_web_socket(battle.bridge, refuse)
+    with page.expect_response("**/watch.json") as asked:
+        page.goto(f"{battle.web}/watch")
+    expect(page.locator("#players")).to_contain_text("Ann")
+    assert context.cookies()
+    assert "cookie" not in asked.value.request.all_headers()
+    context.request.post(f"{battle.web}/signOutUser", form={"data": "Ann"})
+    expect(page.locator("#players")).not_to_contain_text("Ann")
+    context.close()
+
+
+@pytest.mark.parametrize("viewport", [(1280, 720), (844, 390), (390, 844)])
+def test_it_fits_every_screen(viewport: tuple[int, int], screen: Page, battle: Battle, screenshots: Path) -> None:
+    width, height = viewport
+    screen.set_viewport_size({"width": width, "height": height})
+    with Player(battle, "Ann"), Player(battle, "Bob"):
+        expect(screen.locator("#feed")).to_contain_text("Bob")
+        size = screen.evaluate("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]")
+        assert size[0] <= width
+        assert size[1] <= height or height > width, "only an upright phone scrolls"
+        screen.screenshot(path=screenshots / f"watch-{width}x{height}.png")
+
+
+def test_the_keyboard_leads_to_the_game_and_to_the_language(screen: Page, battle: Battle) -> None:
+    reached = set()
+    for _ in range(8):
+        screen.keyboard.press("Tab")
+        reached.add(screen.evaluate("document.activeElement.getAttribute('href') ?? document.activeElement.className"))
+    assert {"/", "square"} <= reached
+    screen.locator(".square").focus()
+    screen.keyboard.press("Enter")
+    screen.locator("#language").select_option("de")
+    expect(screen.locator("#join-title")).to_have_text("Spiel mit!")
