@@ -41,17 +41,22 @@ def theme() -> str:
 
 def t(key: str, **values: str | int) -> str:
     """The text "section.key" in the visitor's language, with its {places} filled; `n` chooses between one and many."""
+    return text(language(), key, **values)
+
+
+def text(language: str, key: str, **values: str | int) -> str:
+    """The same in this language, for what is not written for the visitor's eyes."""
     section, _, name = key.partition(".")
-    text = words(language())[section][name]
-    if not isinstance(text, str):
-        text = text["one" if values["n"] == 1 else "other"]
-    return str(text.format(**values))
+    found = words(language)[section][name]
+    if not isinstance(found, str):
+        found = found["one" if values["n"] == 1 else "other"]
+    return str(found.format(**values))
 
 
 def page_words(sections: list[str]) -> Markup:
     """These sections as JSON that can stand in an HTML page."""
     text = json.dumps({name: words(language())[name] for name in sections}, ensure_ascii=False)
-    return Markup(text.replace("<", "\\u003c"))  # noqa: S704 - so nothing in it ends the element that it stands in
+    return Markup(text.replace("<", "\\u003c"))
 
 
 def add_words(app: Flask) -> None:

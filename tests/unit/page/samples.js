@@ -1,6 +1,15 @@
 // States of the battle for the tests.
 
+import { readFileSync } from "node:fs";
 import { fromTopic } from "../../../server/static/js/messages.js";
+import { setWords } from "../../../server/static/js/words.js";
+
+/** Let the page's modules speak a language. */
+export function speak(language) {
+  const file = new URL(`../../../server/static/words/${language}.json`, import.meta.url);
+  setWords(JSON.parse(readFileSync(file, "utf8")), language);
+}
+speak("en");
 
 export const player = (name, values = {}) => ({
   name, robot: 0, life: 100, ready: false, avatar: 0, place: 0, seat_left: 0, left: false, session: "", ...values,

@@ -42,7 +42,7 @@ def test_home_shows_the_arena_where_there_is_a_view_of_it(browser):
         .get("/home")
     )
     assert '<meta name="view-port" content="8123">' in with_view.text
-    assert "frame-src *:8123" in with_view.headers["Content-Security-Policy"]
+    assert "frame-src http://localhost:8123 https://localhost:8123;" in with_view.headers["Content-Security-Policy"]
     without = browser.get("/home")
     assert "view-port" not in without.text
     assert "frame-src" not in without.headers["Content-Security-Policy"]

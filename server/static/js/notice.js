@@ -1,0 +1,40 @@
+// Why the last countdown or battle ended: the server says it in English, the page in its own language. Pure.
+
+import { t } from "./words.js";
+
+const SENTENCES = [
+  [/^Countdown stopped: (.+), fewer than two players are ready\.$/, "notice.stopped"],
+  [/^Countdown stopped: (.+)\.$/, "notice.stopped_by_operator"],
+  [/^Battle over: (.+)\.$/, "notice.over"],
+];
+
+const CAUSES = [
+  [/^(\S+) was shot down$/, "notice.shot_down"],
+  [/^(\S+) is no longer ready$/, "notice.not_ready"],
+  [/^(\S+) lost the robot$/, "notice.lost_robot"],
+  [/^(\S+) signed out$/, "notice.signed_out"],
+  [/^(\S+) left the page$/, "notice.left_page"],
+  [/^(\S+) was signed out by the operator$/, "notice.by_operator"],
+  [/^the time limit is reached$/, "notice.time"],
+  [/^the operator has ended it$/, "notice.operator"],
+];
+
+/** The server's notice in the page's language; as it is, if it is a new one. */
+export function noticeText(notice) {
+  for (const [pattern, key] of SENTENCES) {
+    const cause = pattern.exec(notice)?.[1];
+    if (cause) return t(key, { cause: causeText(cause) });
+  }
+  return notice;
+}
+
+/** Whether it tells the end of a battle. */
+export const saysBattleOver = (notice) => notice.startsWith("Battle over");
+
+function causeText(cause) {
+  for (const [pattern, key] of CAUSES) {
+    const match = pattern.exec(cause);
+    if (match) return t(key, { name: match[1] });
+  }
+  return cause;
+}
