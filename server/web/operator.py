@@ -31,7 +31,7 @@ def create_operator(access: Access) -> Blueprint:
             return render_template("operator_off.html")
         name = access.name(request.cookies.get(COOKIE, ""))
         if name is None:
-            return render_template("operator_login.html", error=None)
+            return render_template("operator_login.html", code=None, longest=MAX_NAME)
         return render_template("operator.html", operator=name)
 
     @pages.post("/login")
@@ -78,7 +78,7 @@ def _refuse(code: int, error: str, retry_after: int | None = None) -> Response:
         response = make_response(render_template("operator_off.html"), code)
     else:
         _log.warning("%s from %s refused: %s", request.path, request.remote_addr, error)
-        response = make_response(render_template("operator_login.html", error=error), code)
+        response = make_response(render_template("operator_login.html", code=code, longest=MAX_NAME), code)
     if retry_after is not None:
         response.headers["Retry-After"] = str(retry_after)
     return response

@@ -8,9 +8,9 @@ import csv
 import io
 import re
 import time
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from datetime import date, datetime, timedelta
+from datetime import UTC, date, datetime, timedelta
 from itertools import groupby
 from typing import Any
 
@@ -22,6 +22,7 @@ from server.store.course import Course
 from server.store.database import AwayError
 from server.store.results import Battle, BusyError, Fighter, Results, Standing
 from server.web.chart import draw
+from server.web.words import t, text
 
 SIZE, MAX_SIZE = 25, 500  # battles on a page
 _NUMBER = re.compile(r"[1-9][0-9]{0,5}")
@@ -30,11 +31,11 @@ _FOREVER = (0.0, 1e11)  # Unix times
 
 
 class Refused(Exception):  # noqa: N818 - the visitor's error, not ours
-    """The request cannot be answered; the text says why."""
+    """The request cannot be answered; the words with this key, `values` in their places, say why."""
 
-    def __init__(self, code: int, text: str) -> None:
-        super().__init__(text)
-        self.code = code
+    def __init__(self, code: int, key: str, **values: str | int) -> None:
+        super().__init__(key)
+        self.code, self.key, self.values = code, key, values
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,15 +60,15 @@ def create_results(results: Results) -> Blueprint:
 
     @pages.errorhandler(Refused)
     def refuse(error: Refused) -> Response:
-        return _explain(error.code, str(error))
+        return _explain(error.code, error.key, error.values)
 
     @pages.errorhandler(AwayError)
     def away(_: AwayError) -> Response:
-        return _explain(503, "The database cannot be read now. The game goes on without it; please try again later.")
+        return _explain(503, "results.away", {})
 
     @pages.errorhandler(BusyError)
     def busy(_: BusyError) -> Response:
-        response = _explain(503, "Many people look at the results at this moment. Please try again.")
+        response = _explain(503, "results.busy", {})
         response.headers["Retry-After"] = "2"
         return response
 
@@ -141,21 +142,21 @@ def _page(results: Results) -> Page:
     battles, total = results.battles(number, size)
     pages = max(1, -(-total // size))
     if number > pages:
-        raise Refused(404, f"There is no page {number}: the last one is {pages}.")
+        raise Refused(404, "results.no_page", number=number, last=pages)
     return Page(battles, number, pages, size, total)
 
 
 def _number(name: str, default: int, highest: int) -> int:
     given = request.args.get(name, str(default))
     if not _NUMBER.fullmatch(given) or int(given) > highest:
-        raise Refused(400, f"{name} must be a whole number from 1 to {highest}.")
+        raise Refused(400, "results.bad_number", name=name, highest=highest)
     return int(given)
 
 
 def _find(results: Results, battle: str) -> tuple[Battle, list[Course]]:
     found = results.battle(int(battle)) if _NUMBER.fullmatch(battle) else None
     if found is None:
-        raise Refused(404, "There is no such battle.")
+        raise Refused(404, "results.no_battle")
     return found
 
 
@@ -170,7 +171,7 @@ def _standings(results: Results) -> tuple[str, list[Standing]]:
         day = date.fromisoformat(given)
         begin, end = (datetime(one.year, one.month, one.day).timestamp() for one in (day, day + timedelta(days=1)))
     except (ValueError, OverflowError, OSError):
-        raise Refused(400, "day must be a date like 2025-03-01, or all.") from None
+        raise Refused(400, "results.bad_day") from None
     return given, results.leaderboard(begin, end)
 
 
@@ -271,13 +272,14 @@ def _cell(value: object) -> object:
     return harmless(value)
 
 
-def _explain(code: int, text: str) -> Response:
+def _explain(code: int, key: str, values: Mapping[str, str | int]) -> Response:
+    """A page in the visitor's language; a file for programs is English."""
     if request.path.endswith(".json"):
-        answer = _json(error=text)
+        answer = _json(error=text("en", key, **values))
     elif request.path.endswith(".csv"):
-        answer = make_response(f"{text}\n", code, {"Content-Type": "text/plain; charset=utf-8"})
+        answer = make_response(f"{text('en', key, **values)}\n", code, {"Content-Type": "text/plain; charset=utf-8"})
     else:
-        answer = make_response(render_template("results_error.html", code=code, text=text))
+        answer = make_response(render_template("results_error.html", code=code, text=t(key, **values)))
     answer.status_code = code
     return answer
 
@@ -295,13 +297,13 @@ def duration(seconds: float | None) -> str:
 
 
 def moment(unix: float) -> datetime:
-    """By the server's clock and time zone."""
-    return datetime.fromtimestamp(unix).astimezone()
+    """In UTC; the page's script tells it in the reader's time zone."""
+    return datetime.fromtimestamp(round(unix), UTC)
 
 
 def by_day(battles: Iterable[Battle]) -> Iterable[tuple[date, list[Battle]]]:
-    """The battles of each day, in the order in which they come."""
-    for day, ones in groupby(battles, lambda battle: moment(battle.began).date()):
+    """The battles of each day by the server's time zone, in the order in which they come."""
+    for day, ones in groupby(battles, lambda battle: date.fromtimestamp(battle.began)):
         yield day, list(ones)
 
 

@@ -41,11 +41,16 @@ def theme() -> str:
 
 def t(key: str, **values: str | int) -> str:
     """The text "section.key" in the visitor's language, with its {places} filled; `n` chooses between one and many."""
+    return text(language(), key, **values)
+
+
+def text(language: str, key: str, **values: str | int) -> str:
+    """The same in this language, for what is not written for the visitor's eyes."""
     section, _, name = key.partition(".")
-    text = words(language())[section][name]
-    if not isinstance(text, str):
-        text = text["one" if values["n"] == 1 else "other"]
-    return str(text.format(**values))
+    found = words(language)[section][name]
+    if not isinstance(found, str):
+        found = found["one" if values["n"] == 1 else "other"]
+    return str(found.format(**values))
 
 
 def page_words(sections: list[str]) -> Markup:

@@ -1,10 +1,10 @@
-// Moments that the server writes in UTC, shown in the reader's own time zone and language.
+// Moments and days as the server writes them, shown in the reader's own time zone and language.
 
 import { dateTime } from "./words.js";
 
 const OPTIONS = {
-  moment: { dateStyle: "medium", timeStyle: "short" },
-  day: { dateStyle: "full" },
+  moment: { dateStyle: "full", timeStyle: "short" },
+  day: { dateStyle: "full", timeZone: "UTC" }, // a day of the calendar, which is the same in each time zone
   time: { timeStyle: "short" },
 };
 

@@ -7,6 +7,8 @@ import { TestDrive } from "./operator_drive.js";
 import { INTERVAL, Poll } from "./operator_poll.js";
 import * as view from "./operator_view.js";
 import { ADDED_TIME } from "./operator_words.js";
+import { connectPreferences } from "./preferences.js";
+import { t } from "./words.js";
 
 const byId = (id) => document.getElementById(id);
 
@@ -37,24 +39,27 @@ async function act(order, then = () => {}) {
     then();
   } catch (error) {
     if (error.status === 401) location.reload();
-    view.showProblem(error.status ? error.message : "The server does not answer. Look whether it has been done, then try again.");
+    if (error.status) view.showProblem(error.message, error.lang);
+    else view.showProblem(t("desk.no_answer"));
   }
   await poll.refresh();
 }
 
 /** Do it once somebody has said yes. */
 async function confirm({ title, text, ok }, order, then) {
-  if (await dialogs.show({ kind: "warning", title, text, ok, cancel: "Cancel", calm: true })) await act(order, then);
+  if (await dialogs.show({ kind: "warning", title, text, ok, cancel: t("common.cancel"), calm: true })) await act(order, then);
 }
 
 const on = {
   service: (id, inService) => act(() => api.setService(id, inService)),
   drive: (id) => act(() => drive.start(id)),
   signOut: (name) =>
-    confirm({ title: `Sign ${name} out?`, text: "The robot passes on to the next one.", ok: "Sign out" }, () => api.signOut(name)),
+    confirm({ title: t("desk.sign_out_sure", { name }), text: t("desk.sign_out_text"), ok: t("desk.sign_out_player") }, () =>
+      api.signOut(name),
+    ),
   ban: (name, then) =>
     confirm(
-      { title: `Ban ${name}?`, text: "Who has this name is signed out, and nobody can take it again.", ok: "Ban" },
+      { title: t("desk.ban_sure", { name }), text: t("desk.ban_text"), ok: t("desk.ban") },
       () => api.names({ ban: name }),
       then,
     ),
@@ -65,7 +70,7 @@ function order(action) {
   if (action === "add_time") return act(() => api.battle({ action, seconds: ADDED_TIME }));
   const send = () => api.battle({ action });
   if (action !== "abort") return act(send);
-  return confirm({ title: "Abort the battle?", text: "It ends at once and nobody wins. All players are not ready then.", ok: "Abort" }, send);
+  return confirm({ title: t("desk.abort_sure"), text: t("desk.abort_text"), ok: t("desk.abort") }, send);
 }
 
 byId("battle-buttons").addEventListener("click", ({ target }) => {
@@ -86,8 +91,8 @@ onSubmit(
   () => api.showMessage(byId("message-text").value.trim()),
   () => byId("message-form").reset(),
 );
-onSubmit("rules-form", () => api.setRules(rules.changed), () => dialogs.toast("The rules are saved."));
-onSubmit("words-form", () => api.names({ words: words.words }), () => dialogs.toast("The words are saved."));
+onSubmit("rules-form", () => api.setRules(rules.changed), () => dialogs.toast(t("desk.rules_saved")));
+onSubmit("words-form", () => api.names({ words: words.words }), () => dialogs.toast(t("desk.words_saved")));
 byId("ban-form").addEventListener("submit", (event) => {
   event.preventDefault();
   on.ban(byId("ban-name").value.trim().normalize("NFC"), () => byId("ban-form").reset());
@@ -102,6 +107,8 @@ byId("sign-out").addEventListener("click", async () => {
   location.replace("/operator");
 });
 addEventListener("pageshow", (event) => event.persisted && location.reload());
+
+connectPreferences();
 
 const tick = () => poll.tick(document.hidden);
 document.addEventListener("visibilitychange", tick);

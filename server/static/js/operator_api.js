@@ -1,12 +1,15 @@
 // The HTTP rim of the operator's desk: JSON out, JSON in.
 
+import { t } from "./words.js";
+
 const TIMEOUT = 4000; // ms
 
-/** What the server refused; `status` is HTTP's, the message says what to do. */
+/** What the server refused; `status` is HTTP's, the message says what to do, in `lang` if that is not the page's. */
 export class Refusal extends Error {
-  constructor(status, message) {
+  constructor(status, message, lang = "") {
     super(message);
     this.status = status;
+    this.lang = lang;
   }
 }
 
@@ -19,7 +22,9 @@ async function call(method, path, body) {
   });
   const text = await response.text();
   if (response.ok) return text ? JSON.parse(text) : {};
-  throw new Refusal(response.status, errorIn(text) ?? `The server answers ${response.status}.`);
+  const error = errorIn(text);
+  if (error) throw new Refusal(response.status, error, "en");
+  throw new Refusal(response.status, t("desk.http", { status: String(response.status) }));
 }
 
 function errorIn(text) {

@@ -1,6 +1,7 @@
 // The test drive of a robot that is out of service: the player's pad and keys, signed in to rosbridge as the operator.
 
 import * as api from "./operator_api.js";
+import { t } from "./words.js";
 import { Connection } from "./connection.js";
 import { connectKeyboard } from "./controls.js";
 import { Driver } from "./driver.js";
@@ -71,7 +72,7 @@ export class TestDrive {
       onRefusal: (reason) => this.#refuse(reason),
       getTicket: async () => ({ user: "operator", ticket: (await api.drive()).ticket }),
     });
-    setText(byId("drive-title"), `Test drive of robot ${robot}`);
+    setText(byId("drive-title"), t("desk.drive_of", { id: robot }));
     byId("drive").hidden = false;
     this.#showConnection();
     this.#connection.start();
@@ -94,15 +95,15 @@ export class TestDrive {
   }
 
   #refuse(reason) {
-    this.#show(`The robot does not obey: ${reason}.`, "bad");
+    this.#show(t("desk.drive_refused", { reason }), "bad");
     clearTimeout(this.#refusalTimer);
     this.#refusalTimer = setTimeout(() => this.#showConnection(), REFUSED);
     this.#connection.signIn();
   }
 
   #showConnection() {
-    if (this.#connection?.up) this.#show("Hold the pad or the arrow keys. Escape ends the drive.", "");
-    else this.#show("Connecting to the robot...", "bad");
+    if (this.#connection?.up) this.#show(t("desk.drive_hint"), "");
+    else this.#show(t("desk.drive_connecting"), "bad");
   }
 
   #show(text, level) {

@@ -3,6 +3,7 @@
 import { element, setText } from "./dom.js";
 import { showRows } from "./operator_rows.js";
 import * as words from "./operator_words.js";
+import { list, t } from "./words.js";
 
 const byId = (id) => document.getElementById(id);
 
@@ -52,20 +53,21 @@ export class RulesForm {
       input.focus(); // the button goes
       this.#onReset(name);
     };
-    const reset = element("button", { type: "button", className: "button quiet", onclick }, "Reset");
+    const reset = element("button", { type: "button", className: "button quiet", onclick }, t("desk.reset"));
     reset.append(element("span", { className: "visually-hidden" }, ` ${words.ruleName(name)}`));
+    const { meaning, bounds } = words.ruleText(rule);
     return element(
       "div",
       { className: "rule" },
       element("label", { htmlFor: input.id }, words.ruleName(name)),
       element("div", { className: "rule-value" }, input, reset),
-      element("p", { id: `rule-${name}-text`, className: "muted" }, words.ruleText(rule)),
+      element("p", { id: `rule-${name}-text`, className: "muted" }, element("span", { lang: "en" }, meaning), ` ${bounds}`),
     );
   }
 
   #showChanged() {
     const names = Object.keys(this.changed);
-    setText(byId("rules-changed"), names.length ? `Not saved: ${names.map(words.ruleName).join(", ")}` : "");
+    setText(byId("rules-changed"), names.length ? t("desk.rules_changed", { names: list(names.map(words.ruleName)) }) : "");
     for (const name of Object.keys(this.#rules)) field(name).closest(".rule").classList.toggle("is-changed", names.includes(name));
   }
 }
@@ -95,14 +97,14 @@ export class WordsForm {
     return this.words.join("\n") !== this.#words.join("\n");
   }
 
-  show(list) {
+  show(forbidden) {
     const wasChanged = this.#isChanged;
-    this.#words = list;
-    if (!wasChanged && this.#isChanged) byId("words").value = list.join("\n");
+    this.#words = forbidden;
+    if (!wasChanged && this.#isChanged) byId("words").value = forbidden.join("\n");
     this.#showChanged();
   }
 
   #showChanged() {
-    setText(byId("words-changed"), this.#isChanged ? "Not saved." : "");
+    setText(byId("words-changed"), this.#isChanged ? t("desk.not_saved") : "");
   }
 }

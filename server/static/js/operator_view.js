@@ -3,14 +3,18 @@
 import { element, setText } from "./dom.js";
 import { rowButton, setCell, showRows, tableRow } from "./operator_rows.js";
 import * as words from "./operator_words.js";
+import { t } from "./words.js";
 
 const byId = (id) => document.getElementById(id);
 
-const ROBOT = [["id", "Robot"], ["host", "Host"], ["player", "Player"], ["ping", "Last ping"], ["link", "Serial link"]];
-const PLAYER = [
-  ["name", "Name"], ["robot", "Robot"], ["life", "Life"], ["ready", "Ready"], ["seat", "Seat passes on in"], ["page", "Page heard"],
+const ROBOT = [
+  ["id", t("desk.robot")], ["host", t("desk.host")], ["player", t("desk.player")], ["ping", t("desk.ping")], ["link", t("desk.link")],
 ];
-const WAITER = [["name", "Name"], ["place", "Place"], ["offer", "Robot"]];
+const PLAYER = [
+  ["name", t("desk.name")], ["robot", t("desk.robot")], ["life", t("desk.life")], ["ready", t("desk.ready")],
+  ["seat", t("desk.seat")], ["page", t("desk.page")],
+];
+const WAITER = [["name", t("desk.name")], ["place", t("desk.place")], ["offer", t("desk.robot")]];
 
 /**
  * Everything on the desk but its forms.
@@ -48,15 +52,15 @@ function showRobots(robots, on) {
   showRows(byId("robots-rows"), robots, {
     key: ({ id }) => String(id),
     make: ({ id }) => {
-      const service = rowButton("", `robot ${id}`, () => on.service(id, service.dataset.to === "in"));
-      const drive = rowButton("Test drive", `robot ${id}`, () => on.drive(id));
+      const service = rowButton("", t("desk.of_robot", { id }), () => on.service(id, service.dataset.to === "in"));
+      const drive = rowButton(t("desk.test_drive"), t("desk.of_robot", { id }), () => on.drive(id));
       service.dataset.button = "service";
       drive.dataset.button = "drive";
       return tableRow(ROBOT, [service, drive]);
     },
     fill: (row, robot) => {
       const { host, player, ping, link } = words.robotText(robot);
-      setCell(row, "id", `Robot ${robot.id}`);
+      setCell(row, "id", t("desk.robot_id", { id: robot.id }));
       setCell(row, "host", host);
       setCell(row, "player", player);
       setCell(row, "ping", ping);
@@ -64,15 +68,15 @@ function showRobots(robots, on) {
       row.classList.toggle("is-out", !robot.in_service);
       const service = row.querySelector("[data-button=service]");
       service.dataset.to = robot.in_service ? "out" : "in";
-      setText(service.firstElementChild, robot.in_service ? "Take out of service" : "Back in service");
+      setText(service.firstElementChild, t(robot.in_service ? "desk.take_out" : "desk.put_in"));
       row.querySelector("[data-button=drive]").hidden = robot.in_service;
     },
   });
 }
 
 const personButtons = (name, on) => [
-  rowButton("Sign out", name, () => on.signOut(name)),
-  rowButton("Ban", name, () => on.ban(name), "danger"),
+  rowButton(t("desk.sign_out_player"), name, () => on.signOut(name)),
+  rowButton(t("desk.ban"), name, () => on.ban(name), "danger"),
 ];
 
 function showPlayers(players, on) {
@@ -84,7 +88,7 @@ function showPlayers(players, on) {
     fill: (row, player) => {
       const { life, ready, seat, page } = words.playerText(player);
       setCell(row, "name", player.name);
-      setCell(row, "robot", `Robot ${player.robot}`);
+      setCell(row, "robot", t("desk.robot_id", { id: player.robot }));
       setCell(row, "life", life);
       setCell(row, "ready", ready);
       setCell(row, "seat", seat);
@@ -106,14 +110,14 @@ function showQueue(queue, on) {
 }
 
 function showMessage(text) {
-  setText(byId("message-now"), text ? `Shown now: ${text}` : "No message is shown.");
+  setText(byId("message-now"), text ? t("desk.message_now", { text }) : t("desk.no_message"));
   byId("message-clear").hidden = text === "";
 }
 
 function showBanned(banned, on) {
   showRows(byId("banned-rows"), banned, {
     key: (name) => name,
-    make: (name) => element("li", {}, element("span", {}, name), rowButton("Unban", name, () => on.unban(name))),
+    make: (name) => element("li", {}, element("span", {}, name), rowButton(t("desk.unban"), name, () => on.unban(name))),
   });
 }
 
@@ -121,7 +125,7 @@ function showSystem({ database, versions }) {
   setText(byId("database-url"), database.url);
   setText(byId("database-waiting"), String(database.waiting));
   byId("database-problem").hidden = database.problem === "";
-  setText(byId("database-problem"), `The database does not work: ${database.problem}`);
+  setText(byId("database-problem"), t("desk.database_problem", { problem: database.problem }));
   for (const [part, version] of Object.entries(versions)) setText(byId(`version-${part}`), version);
 }
 
@@ -148,12 +152,14 @@ export function showLost(since, error) {
   line.hidden = since === null;
   document.body.classList.toggle("is-stale", since !== null);
   if (since === null) return;
-  const why = error.status ? ` ${error.message}` : ""; // else it is the browser's own word for silence
-  setText(line, `No connection since ${words.timeText(since / 1000)}.${why} The desk keeps trying.`);
+  const text = t("desk.lost", { time: words.timeText(since / 1000) });
+  setText(line, error.status ? `${text} ${error.message}` : text); // else it is the browser's own word for silence
 }
 
-/** Say what could not be done, until it is closed or something else works. */
-export function showProblem(text) {
+/** Say what could not be done, until it is closed or something else works; `lang` if it is not in the page's language. */
+export function showProblem(text, lang = "") {
   byId("problem").hidden = text === "";
+  if (lang) byId("problem-text").lang = lang;
+  else byId("problem-text").removeAttribute("lang");
   setText(byId("problem-text"), text);
 }

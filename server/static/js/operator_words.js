@@ -1,7 +1,8 @@
 // The words and decisions of the operator's desk: what a state says, what may be pressed, what a form has changed. Pure.
 
-import { clockText } from "./state.js";
-import { waitText } from "./queue.js";
+import { noticeText } from "./notice.js";
+import { clock as clockText } from "./replay.js";
+import { dateTime, number, percent, t } from "./words.js";
 
 /** What may be added to the battle's time by one press, s. */
 export const ADDED_TIME = 60;
@@ -12,16 +13,16 @@ export const ADDED_TIME = 60;
  * @returns {{title: string, clock: string, hint: string}} an empty `clock`: none runs
  */
 export function battleText({ state, paused, time_left, battle, notice }) {
-  const clock = state === "stopped" ? "" : clockText(time_left);
-  const hint = notice || `${battle} ${battle === 1 ? "battle has" : "battles have"} begun so far.`;
-  if (paused) return { title: "Paused", clock, hint: "The clock stands, no robot moves and no hit counts." };
+  const clock = state === "stopped" ? "" : clockText(Math.ceil(time_left));
+  const hint = noticeText(notice) || t("desk.begun", { n: battle });
+  if (paused) return { title: t("desk.paused"), clock, hint: t("desk.paused_hint") };
   switch (state) {
     case "stopped":
-      return { title: "No battle", clock, hint };
+      return { title: t("desk.no_battle"), clock, hint };
     case "countdown":
-      return { title: "Countdown", clock, hint: "Players may still get ready." };
+      return { title: t("desk.countdown"), clock, hint: t("desk.countdown_hint") };
     default:
-      return { title: "Battle", clock, hint: `Battle number ${battle} is running.` };
+      return { title: t("desk.battle"), clock, hint: t("desk.battle_hint", { number: String(battle) }) };
   }
 }
 
@@ -32,66 +33,83 @@ export function battleText({ state, paused, time_left, battle, notice }) {
 export function battleButtons({ state, paused }) {
   const runs = state !== "stopped";
   return {
-    pause: { action: paused ? "resume" : "pause", text: paused ? "Resume" : "Pause", enabled: runs || paused },
-    start: { action: "start", text: "Start now", enabled: state === "countdown" && !paused },
-    "add-time": { action: "add_time", text: `+${ADDED_TIME} s`, enabled: runs },
-    abort: { action: "abort", text: "Abort", enabled: runs },
+    pause: { action: paused ? "resume" : "pause", text: t(paused ? "desk.resume" : "desk.pause"), enabled: runs || paused },
+    start: { action: "start", text: t("desk.start"), enabled: state === "countdown" && !paused },
+    "add-time": { action: "add_time", text: t("desk.add_time", { n: ADDED_TIME }), enabled: runs },
+    abort: { action: "abort", text: t("desk.abort"), enabled: runs },
   };
 }
 
 /** How long ago something was heard; null: never. */
 export function ageText(seconds) {
-  if (seconds === null) return "never";
-  return seconds < 120 ? `${Math.round(seconds)} s ago` : `${Math.round(seconds / 60)} min ago`;
+  if (seconds === null) return t("desk.never");
+  return seconds < 120 ? t("desk.seconds_ago", { n: Math.round(seconds) }) : t("desk.minutes_ago", { n: Math.round(seconds / 60) });
 }
 
 const SILENT = 2; // s; a robot pings every 0.4 s
 
 /** Who has the robot, and what an operator should see at sight. `level` is "bad" for what needs a hand. */
 export function robotText({ name, host, player, offered_to, in_service, ping_age, linked }) {
-  const free = in_service ? "free" : "out of service";
+  const free = t(in_service ? "desk.free" : "desk.out_of_service");
   return {
     host: hostText(name, host),
-    player: player ?? (offered_to === null ? free : `offered to ${offered_to}`),
+    player: player ?? (offered_to === null ? free : t("desk.offered_to", { name: offered_to })),
     ping: { text: ageText(ping_age), level: ping_age === null || ping_age > SILENT ? "bad" : "" },
-    link: { text: linked ? "linked" : "no link", level: linked ? "" : "bad" },
+    link: { text: t(linked ? "desk.linked" : "desk.no_link"), level: linked ? "" : "bad" },
   };
 }
 
 /** Where a robot runs: "raspberrypi1.local", "virtual3 on 192.168.1.7". Either may be unknown (null). */
 function hostText(name, host) {
-  if (!name || !host || host.startsWith(name)) return host ?? name ?? "unknown";
-  return `${name} on ${host}`;
+  if (!name || !host || host.startsWith(name)) return host ?? name ?? t("desk.unknown");
+  return t("desk.host_on", { name, host });
 }
 
 /** What a player does now. */
 export function playerText({ life, ready, seat_left, page_age }) {
   return {
-    life: `${life} %`,
-    ready: ready ? "ready" : "not ready",
-    seat: seat_left > 0 ? `${Math.ceil(seat_left)} s` : "stays",
+    life: percent(life),
+    ready: t(ready ? "desk.is_ready" : "desk.not_ready"),
+    seat: seat_left > 0 ? t("desk.seconds", { n: Math.ceil(seat_left) }) : t("desk.stays"),
     page: { text: ageText(page_age), level: page_age > 5 ? "bad" : "" },
   };
 }
 
 /** What somebody who waits is told. */
 export function waiterText({ offer, seconds }) {
-  return offer === null ? `about ${waitText(seconds)}` : `robot ${offer} is offered for ${Math.ceil(seconds)} s more`;
+  if (offer === null) return t("desk.wait", { n: Math.max(1, Math.round(seconds / 60)) });
+  return t("desk.offered", { id: offer, n: Math.ceil(seconds) });
 }
 
-/** A rule's name for people: "hit_damage" -> "Hit damage". */
-export function ruleName(key) {
-  const words = key.replaceAll("_", " ");
-  return words.charAt(0).toUpperCase() + words.slice(1);
-}
+/** The rules that the words name; one that is newer is shown by its own name. */
+const RULE_NAMES = {
+  hit_damage: "desk.rule_hit_damage",
+  countdown: "desk.rule_countdown",
+  battle_limit: "desk.rule_battle_limit",
+  player_timeout: "desk.rule_player_timeout",
+  seat_timeout: "desk.rule_seat_timeout",
+  idle: "desk.rule_idle",
+  offer: "desk.rule_offer",
+  battles_in_row: "desk.rule_battles_in_row",
+  seats: "desk.rule_seats",
+  practice: "desk.rule_practice",
+};
 
-const valueText = (value) => (typeof value === "boolean" ? (value ? "on" : "off") : String(value));
+/** A rule's name for people. */
+export const ruleName = (key) => (RULE_NAMES[key] ? t(RULE_NAMES[key]) : sentence(key.replaceAll("_", " ")));
 
-/** What a rule means, which values it takes and which is its default. */
+const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
+const valueText = (value) => (typeof value === "boolean" ? t(value ? "desk.on" : "desk.off") : number(value));
+
+/**
+ * What a rule means, which values it takes and which is its default.
+ * @returns {{meaning: string, bounds: string}} the meaning is the server's, in English
+ */
 export function ruleText({ default: standard, min, max, text }) {
-  const range = min === null ? "" : ` From ${min} to ${max}.`;
+  const range = min === null ? "" : `${t("desk.rule_range", { min, max })} `;
   const meaning = text.replace(/^1: /, ""); // an environment's flag is 0 or 1, the desk's a box
-  return `${meaning.charAt(0).toUpperCase()}${meaning.slice(1)}.${range} Default: ${valueText(standard)}.`;
+  return { meaning: `${sentence(meaning)}.`, bounds: `${range}${t("desk.rule_default", { value: valueText(standard) })}` };
 }
 
 /**
@@ -108,7 +126,7 @@ export function parseWords(text) {
   return [...new Set(text.split("\n").map((word) => word.trim()))].filter(Boolean);
 }
 
-/** A moment (unix s) as a clock on the operator's wall. */
+/** A moment (unix s) as a clock on the operator's wall, which has 24 hours. */
 export function timeText(at) {
-  return new Date(at * 1000).toLocaleTimeString("en-GB");
+  return dateTime(new Date(at * 1000), { timeStyle: "medium", hourCycle: "h23" });
 }

@@ -1,7 +1,11 @@
-// The page of one battle: shows its replay on the arena's floor.
+// The page of one battle: shows its replay on the arena's floor, and how it ended in the reader's language.
 
 import { element, setText } from "./dom.js";
+import { showMoments } from "./moments.js";
+import { noticeText } from "./notice.js";
+import { connectPreferences } from "./preferences.js";
 import { clock, fighterAt, lengthOf, poseAt } from "./replay.js";
+import { t } from "./words.js";
 
 const RADIUS = 0.075; // m, about a robot's
 const MARGIN = 0.03; // m around the floor: walls have a width
@@ -103,7 +107,7 @@ class Player {
   play() {
     if (this.#at >= this.#length) this.#at = 0;
     this.#last = performance.now();
-    setText(byId("replay-play"), "Pause");
+    setText(byId("replay-play"), t("replay.pause"));
     this.#ask();
   }
 
@@ -114,7 +118,7 @@ class Player {
   #pause() {
     cancelAnimationFrame(this.#next);
     this.#next = null;
-    setText(byId("replay-play"), "Play");
+    setText(byId("replay-play"), t("replay.play"));
   }
 
   #frame(now) {
@@ -127,7 +131,7 @@ class Player {
 
   #show() {
     const slider = byId("replay-time");
-    const text = `${clock(this.#at)} of ${clock(this.#length)}`;
+    const text = t("replay.clock", { at: clock(this.#at), length: clock(this.#length) });
     slider.value = this.#at;
     slider.setAttribute("aria-valuetext", text);
     setText(byId("replay-clock"), text);
@@ -149,7 +153,7 @@ function playWhenSeen(player, box) {
   observer.observe(box);
 }
 
-async function start(box) {
+async function showReplay(box) {
   const response = await fetch(box.dataset.battle);
   const battle = response.ok ? await response.json() : {};
   if (!battle.track) return;
@@ -157,4 +161,15 @@ async function start(box) {
   playWhenSeen(new Player(battle), byId("replay-floor"));
 }
 
-start(byId("replay"));
+/** The server says in English why the battle ended. */
+function translateEnd(node) {
+  const text = noticeText(node.textContent);
+  if (text === node.textContent) return;
+  node.textContent = text;
+  node.removeAttribute("lang");
+}
+
+connectPreferences();
+showMoments();
+if (byId("notice")) translateEnd(byId("notice"));
+if (byId("replay")) showReplay(byId("replay"));

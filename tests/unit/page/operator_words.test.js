@@ -1,7 +1,9 @@
 import assert from "node:assert/strict";
-import { test } from "node:test";
-import "./samples.js";
+import { afterEach, test } from "node:test";
+import { speak } from "./samples.js";
 import * as words from "../../../server/static/js/operator_words.js";
+
+afterEach(() => speak("en"));
 
 const game = (values) => ({ state: "stopped", paused: false, time_left: 0, battle: 3, notice: "", message: "", ...values });
 const rule = (values) => ({ value: 10, default: 10, min: 1, max: 100, text: "life (of 100) that a hit takes", ...values });
@@ -48,7 +50,7 @@ test("a robot that is silent, or without its serial link, stands out", () => {
 
 test("players and who waits", () => {
   const player = (values) => words.playerText({ life: 70, ready: true, seat_left: 0, page_age: 0.4, ...values });
-  assert.deepEqual(player({}), { life: "70 %", ready: "ready", seat: "stays", page: { text: "0 s ago", level: "" } });
+  assert.deepEqual(player({}), { life: "70%", ready: "ready", seat: "stays", page: { text: "0 s ago", level: "" } });
   assert.equal(player({ seat_left: 12.3 }).seat, "13 s");
   assert.equal(player({ page_age: 9 }).page.level, "bad");
   assert.equal(player({ page_age: 300 }).page.text, "5 min ago");
@@ -58,8 +60,10 @@ test("players and who waits", () => {
 
 test("a rule is named, explained and bounded", () => {
   assert.equal(words.ruleName("battles_in_row"), "Battles in row");
-  assert.equal(words.ruleText(rule()), "Life (of 100) that a hit takes. From 1 to 100. Default: 10.");
-  assert.equal(words.ruleText(rule({ default: false, min: null, max: null, text: "1: all may" })), "All may. Default: off.");
+  assert.equal(words.ruleName("new_rule"), "New rule", "one that is newer than the words");
+  assert.deepEqual(words.ruleText(rule()), { meaning: "Life (of 100) that a hit takes.", bounds: "From 1 to 100. Default: 10." });
+  const flag = rule({ default: false, min: null, max: null, text: "1: all may" });
+  assert.deepEqual(words.ruleText(flag), { meaning: "All may.", bounds: "Default: off." });
 });
 
 test("only the rules that differ are sent", () => {
@@ -71,4 +75,14 @@ test("only the rules that differ are sent", () => {
 test("one word on each line, each once, without the spaces around it", () => {
   assert.deepEqual(words.parseWords(" bad\n\nworse one \r\nbad\n"), ["bad", "worse one"]);
   assert.deepEqual(words.parseWords(""), []);
+});
+
+test("the desk speaks the page's language, its numbers and clock too", () => {
+  speak("de");
+  const over = game({ notice: "Battle over: Bob was shot down." });
+  assert.equal(words.battleText(over).hint, "Kampf beendet: Bob wurde abgeschossen.");
+  assert.equal(words.battleText(game({ battle: 1 })).hint, "Bisher hat 1 Kampf begonnen.");
+  assert.equal(words.playerText({ life: 70, ready: true, seat_left: 0, page_age: 0.4 }).life, "70\u00a0%");
+  assert.equal(words.ruleText(rule({ min: 0.5, max: 9, default: 2.5 })).bounds, "Von 0,5 bis 9. Standard: 2,5.");
+  assert.match(words.timeText(Date.UTC(2026, 10, 24, 12) / 1000), /^\d\d:00:00$/);
 });

@@ -31,7 +31,7 @@ HUGE = "x" * 10_000_000
 # stand-ins: the real pages are tried in tests/browser
 PAGES = {
     "operator.html": "desk of {{ operator }}",
-    "operator_login.html": "sign in: {{ error }}",
+    "operator_login.html": "sign in: {{ code }}",
     "operator_off.html": "no token",
 }
 

@@ -134,7 +134,7 @@ def test_the_pages_say_the_same(played, browser):
     assert "running" in page
     assert "Zoë" in page
     battle = browser.get("/results/1").text
-    assert "0:08 min: bob was shot down." in battle
+    assert '0:08 min. <span id="notice" lang="en">Battle over: bob was shot down.</span>' in battle
     assert battle.count("was hit") == 12
     assert "has no result" not in battle
     assert "has no result" not in browser.get("/results/3").text
@@ -159,7 +159,7 @@ def test_the_time_line_has_what_happened_in_order(played, browser):
 
 def test_a_battle_that_was_seen_from_above_can_be_played_again(played, browser, file):
     assert browser.get("/results/1.json").json["track"] is None
-    assert "replay" not in browser.get("/results/1").text
+    assert 'id="replay"' not in browser.get("/results/1").text
     floor = {"width": 2.0, "height": 1.0, "walls": [[0, 0, 2, 0]]}
     for times, seen in (([0.1, 0.3], [[0.5, 0.25, 90], None]), ([0.5], [[0.6, 0.25, 90]])):
         piece = {"floor": floor, "times": times, "robots": {"0": seen}}
@@ -170,7 +170,7 @@ def test_a_battle_that_was_seen_from_above_can_be_played_again(played, browser, 
         "robots": {"0": [[0.5, 0.25, 90], None, [0.6, 0.25, 90]]},
     }
     assert 'id="replay-floor"' in browser.get("/results/2").text
-    assert "replay" not in browser.get("/results/3").text
+    assert 'id="replay"' not in browser.get("/results/3").text
 
 
 def test_the_chart_is_as_long_as_the_battle(played, browser):
