@@ -11,7 +11,7 @@ import threading
 import time
 from collections.abc import Callable
 
-from playwright.sync_api import Page, sync_playwright
+from playwright.sync_api import Page, ViewportSize, sync_playwright
 
 from tests.browser.conftest import FLAGS
 from tests.support.battle import Battle
@@ -20,7 +20,7 @@ from tests.support.polling import until
 EXTRAS = 6  # robots that only the arena knows
 SECONDS = 10.0  # of each measurement
 PRESSES = 100
-SIZE = {"width": 1280, "height": 720}
+SIZE: ViewportSize = {"width": 1280, "height": 720}
 GOAL = 60  # pictures/s
 
 # Runs in the page: frames of the page itself, what the arena reports of its own, and when a key's command was sent.
@@ -90,6 +90,11 @@ def weigh(page: Page, load: Callable[[], object]) -> int:
     return weight
 
 
+def enter(page: Page) -> None:
+    page.locator("#username").press("Enter")
+    page.wait_for_url("**/home")
+
+
 def main() -> None:
     with Battle(robots=2, bots=1, LASERBOT_COUNTDOWN="1") as battle, sync_playwright() as playwright:
         battle.wait_until_ready()
@@ -98,7 +103,7 @@ def main() -> None:
         weight = weigh(page, lambda: page.goto(battle.web))
         print(f"login page: {weight / 1000:.0f} kB")
         page.locator("#username").fill("Ann")
-        weight = weigh(page, lambda: (page.locator("#username").press("Enter"), page.wait_for_url("**/home")))
+        weight = weigh(page, lambda: enter(page))
         print(f"to the first playable picture, after the login page: {weight / 1000:.0f} kB (budget 150 with it)")
         with Crowd(battle.ports["LASERBOT_ARENA_LINK_PORT"], EXTRAS):
             page.locator("#ready-btn").click()

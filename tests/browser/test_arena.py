@@ -103,32 +103,34 @@ def becomes(page: Page, state: str) -> None:
     page.wait_for_function("state => window.view?.state === state", arg=state, timeout=30_000)
 
 
-@pytest.mark.parametrize("size", [(1280, 720), (844, 390), (390, 844)], ids=["desktop", "landscape", "portrait"])
+@pytest.fixture(params=[(1280, 720), (844, 390), (390, 844)], ids=["desktop", "landscape", "portrait"])
+def sized(request: pytest.FixtureRequest, chromium: Browser) -> Iterator[Page]:
+    width, height = request.param
+    with chromium.new_page(viewport={"width": width, "height": height}) as page:
+        yield page
+
+
 def test_inside_a_page_the_picture_has_the_names_and_lives_it_is_told(
-    chromium: Browser,
-    arena: Arena,
-    robots: list[Hardware],
-    pages: GamePages,
-    screenshots: Path,
-    size: tuple[int, int],
+    sized: Page, arena: Arena, robots: list[Hardware], pages: GamePages, screenshots: Path
 ) -> None:
     robots[1].send("beam 1")
-    with chromium.new_page(viewport={"width": size[0], "height": size[1]}) as page:
-        complaints: list[str] = []
-        page.on("console", lambda message: complaints.append(message.text))
-        page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.goto(pages.url(arena))
-        becomes(page, "live")
-        page.evaluate("fields => view.show(fields)", players())
-        until(lambda: "Al 100 %" in picture(page), 10, "the names are there")
-        until(lambda: page.evaluate("view.report.fps") > 0, 10, "it draws")
-        told = "Al 100 %, Bea_the_Great_16 70 %, Zoe 40 %, Bob out, Robot 4, Robot 5"
-        assert picture(page) == f"The arena seen from above, {told}"
-        until(lambda: {f"/img/avatar{number}.svg" for number in range(4)} <= set(pages.asked), 10, "its avatars come")
-        assert page.evaluate("[view.report.type, view.report.state]") == ["laserbot-arena", "live"]
-        assert page.frame_locator("iframe").locator("aside").is_hidden()
-        page.screenshot(path=screenshots / f"arena_{size[0]}x{size[1]}.png")
-        assert complaints == []
+    page = sized
+    complaints: list[str] = []
+    page.on("console", lambda message: complaints.append(message.text))
+    page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.goto(pages.url(arena))
+    becomes(page, "live")
+    page.evaluate("fields => view.show(fields)", players())
+    until(lambda: "Al 100 %" in picture(page), 10, "the names are there")
+    until(lambda: page.evaluate("view.report.fps") > 0, 10, "it draws")
+    told = "Al 100 %, Bea_the_Great_16 70 %, Zoe 40 %, Bob out, Robot 4, Robot 5"
+    assert picture(page) == f"The arena seen from above, {told}"
+    until(lambda: {f"/img/avatar{number}.svg" for number in range(4)} <= set(pages.asked), 10, "its avatars come")
+    assert page.evaluate("[view.report.type, view.report.state]") == ["laserbot-arena", "live"]
+    assert page.frame_locator("iframe").locator("aside").is_hidden()
+    width = page.viewport_size["width"] if page.viewport_size else 0
+    page.screenshot(path=screenshots / f"arena-in-a-page-{width}.png")
+    assert complaints == []
 
 
 def test_a_picture_of_another_site_is_not_asked_for(chromium: Browser, arena: Arena, pages: GamePages) -> None:
