@@ -10,7 +10,7 @@ import { build } from "esbuild";
 
 const ROOT = dirname(fileURLToPath(import.meta.url));
 const BUNDLE = `${ROOT}/bundle`;
-const SCRIPTS = ["home", "index", "operator", "plain", "results", "watch"];
+const SCRIPTS = ["home", "index", "operator", "plain", "pulse", "results", "watch"];
 const STYLES = [
   "about", "common", "controls", "error", "feed", "home", "hud", "keys", "lobby", "login", "operator", "podium", "results",
   "touch", "watch",

@@ -246,6 +246,50 @@ def test_who_is_forgotten_by_a_server_that_was_away_is_told_so(chromium: Browser
         ann.context.close()
 
 
+BUSY = "seconds => { const end = Date.now() + 1000 * seconds; while (Date.now() < end) { /* as a slow machine */ } }"
+
+
+def test_a_page_that_is_too_busy_to_say_so_is_still_there(chromium: Browser) -> None:
+    with Battle(robots=1, LASERBOT_PLAYER_TIMEOUT="8", LASERBOT_SEAT_TIMEOUT="8") as battle:
+        ann = Person(chromium, battle, "Ann")
+        ann.log_in()
+        expect(ann.page.locator("#connection-state")).to_contain_text("Online")
+        ann.page.evaluate(BUSY, 14)
+        assert ann.page.request.get(f"{battle.web}/session").json()["status"] == "OK"
+        expect(ann.page.locator("#ready-btn")).to_be_visible()
+        ann.context.close()
+        assert ann.complaints == []
+
+
+def test_in_each_state_the_page_outlives_a_while_offline(chromium: Browser) -> None:
+    with Battle(robots=2, LASERBOT_COUNTDOWN="8") as battle, Player(battle, "Bob") as bob:
+        ann = Person(chromium, battle, "Ann")
+        banner = ann.page.locator("#banner")
+
+        def offline(told: str) -> None:
+            ann.context.set_offline(True)
+            expect(ann.page.locator(told)).to_be_visible()
+            ann.context.set_offline(False)
+            expect(ann.page.locator(told)).to_be_hidden()
+
+        expect(ann.page.locator("#availableR")).to_have_text("1 robot is free")
+        offline(".login-connection")
+        ann.log_in()
+        offline("#banner")
+        ann.page.locator("#ready-btn").click()
+        assert bob.ready() == "OK"
+        expect(ann.page.locator("#countdown")).to_be_visible()
+        offline("#banner")
+        expect(ann.page.locator("#game-status")).to_have_text("PLAY!")
+        offline("#banner")
+        expect(banner).to_be_hidden()
+        assert bob.ready() == "STARTED"
+        bob.post("signOutUser", data="Bob")
+        expect(ann.page.locator("dialog[open] h2")).to_have_text("YOU WIN!")
+        ann.context.close()
+        assert ann.complaints == []
+
+
 def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person], battle: Battle) -> None:
     ann = person("Ann")
     ann.log_in()

@@ -43,6 +43,7 @@ class Game {
   #tally;
   #feed = new FeedList(byId("feed"));
   #quality = new LinkQuality();
+  #pulse = new Worker(document.querySelector("meta[name=pulse]").content);
   #timer = null;
   #left = false;
   #asking = false; // a change of ready is under way
@@ -80,7 +81,10 @@ class Game {
       getTicket: () => this.#checkSession(),
     });
     this.#heartbeat = new Heartbeat({
-      post: api.gameStatus,
+      post: () => {
+        this.#pulse.postMessage("the page is not too busy");
+        return api.gameStatus();
+      },
       now: () => performance.now(),
       onReply: (reply) => this.#connection.up || this.#take(fromReply(reply, this.#status)),
       onLost: () => {
@@ -282,6 +286,7 @@ class Game {
     clearInterval(this.#timer);
     this.#stopDriving();
     this.#feel.stop();
+    this.#pulse.terminate();
     this.#connection.stop();
     storage.forget();
     dialogs.show({ ...message, ok: null });
