@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
+from tests.browser.conftest import FLAGS
 from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.support.battle import Battle
 from tests.support.player import Player
@@ -39,8 +40,8 @@ class GamePages(ThreadingHTTPServer):
         self.asked: list[str] = []
         super().__init__((HOST, 0), partial(_Handler, directory=str(ROOT / "server" / "static")))
 
-    def url(self, arena: Arena, host: str = HOST) -> str:
-        return f"http://{host}:{self.server_port}/?arena=http://{HOST}:{arena.view_port}"
+    def url(self, arena: Arena, host: str = HOST, arena_host: str = HOST) -> str:
+        return f"http://{host}:{self.server_port}/?arena=http://{arena_host}:{arena.view_port}"
 
 
 class _Handler(SimpleHTTPRequestHandler):
@@ -131,6 +132,23 @@ def test_inside_a_page_the_picture_has_the_names_and_lives_it_is_told(
     width = page.viewport_size["width"] if page.viewport_size else 0
     page.screenshot(path=screenshots / f"arena-in-a-page-{width}.png")
     assert complaints == []
+
+
+@pytest.mark.usefixtures("robots")
+def test_it_works_under_the_masters_name_in_which_policies_do_not_take_the_underscore(
+    chromium: Browser, arena: Arena, pages: GamePages
+) -> None:
+    name = "laser_bot_master.local"
+    flags = [*FLAGS, f"--host-resolver-rules=MAP {name} {HOST}"]
+    browser = chromium.browser_type.launch(executable_path="/usr/bin/chromium", headless=True, args=flags)
+    try:
+        page = browser.new_page()
+        page.goto(pages.url(arena, name, name))
+        becomes(page, "live")
+        page.evaluate("fields => view.show(fields)", players())
+        until(lambda: "Al 100 %" in picture(page), 10, "the names are there")
+    finally:
+        browser.close()
 
 
 def test_a_picture_of_another_site_is_not_asked_for(chromium: Browser, arena: Arena, pages: GamePages) -> None:
