@@ -17,6 +17,8 @@ from server.web.results import create_results
 from server.web.words import add_words
 
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
+# what a policy can name: browsers ignore names with an underscore and addresses of IPv6 there
+_NAMEABLE = re.compile(r"[A-Za-z0-9.-]+")
 
 
 def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
@@ -112,6 +114,8 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
 def _page_policy(settings: Settings, host: str) -> str:
     """What a page may do: open a WebSocket to rosbridge and show the arena's view, on the host that it came from."""
     name = host.rpartition(":")[0] if re.search(r":\d+$", host) else host
+    if not _NAMEABLE.fullmatch(name):
+        name = "*"
     bridge, view = f"{name}:{settings.rosbridge_port}", f"{name}:{settings.view_port}"
     frames = f"frame-src http://{view} https://{view}; " if settings.view_port else ""
     return (
