@@ -51,10 +51,10 @@ def test_home_shows_the_arena_where_there_is_a_view_of_it(browser):
 @pytest.mark.parametrize(
     ("host", "bridge"),
     [
-        ("battle.local:5000", "ws://battle.local:9090 "),
-        ("10.0.0.7", "ws://10.0.0.7:9090 "),
-        ("laser_bot_master.local", "ws://*:9090 "),  # browsers ignore such names in a policy
-        ("[::1]:5000", "ws://*:9090 "),
+        ("battle.local:5000", "ws://battle.local:9123 "),
+        ("10.0.0.7", "ws://10.0.0.7:9123 "),
+        ("laser_bot_master.local", "ws://*:9123 "),  # browsers ignore such names in a policy
+        ("[::1]:5000", "ws://*:9123 "),
     ],
 )
 def test_a_page_may_speak_to_rosbridge_on_its_own_host(browser, host, bridge):
