@@ -117,9 +117,9 @@ def _page_policy(settings: Settings, host: str) -> str:
     if not _NAMEABLE.fullmatch(name):
         name = "*"
     bridge, view = f"{name}:{settings.rosbridge_port}", f"{name}:{settings.view_port}"
-    frames = f"frame-src http://{view} https://{view}; " if settings.view_port else ""
+    frames = f"http://{view} https://{view}" if settings.view_port else "'none'"
     return (
-        f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; {frames}"
+        f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-src {frames}; "
         f"connect-src 'self' ws://{bridge} wss://{bridge}; "
         "object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
     )

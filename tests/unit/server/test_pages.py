@@ -48,22 +48,6 @@ def test_home_shows_the_arena_where_there_is_a_view_of_it(browser):
     assert "frame-src 'none'" in without.headers["Content-Security-Policy"]
 
 
-@pytest.mark.parametrize(
-    ("host", "bridge"),
-    [
-        ("battle.local:5000", "ws://battle.local:9123 "),
-        ("10.0.0.7", "ws://10.0.0.7:9123 "),
-        ("laser_bot_master.local", "ws://*:9123 "),  # browsers ignore such names in a policy
-        ("[::1]:5000", "ws://*:9123 "),
-    ],
-)
-def test_a_page_may_speak_to_rosbridge_on_its_own_host(browser, host, bridge):
-    assert (
-        f"connect-src 'self' {bridge}"
-        in browser.get("/home", headers={"Host": host}).headers["Content-Security-Policy"]
-    )
-
-
 @pytest.mark.parametrize("method", ["get", "post"])
 @pytest.mark.parametrize("path", ["/nothing", "/home/", "/streaming", "/signupuser", "/../main.py"])
 def test_an_unknown_address_gets_the_404_page(browser, path, method):
