@@ -45,7 +45,7 @@ def test_home_shows_the_arena_where_there_is_a_view_of_it(browser):
     assert "frame-src http://localhost:8123 https://localhost:8123;" in with_view.headers["Content-Security-Policy"]
     without = browser.get("/home")
     assert "view-port" not in without.text
-    assert "frame-src" not in without.headers["Content-Security-Policy"]
+    assert "frame-src 'none'" in without.headers["Content-Security-Policy"]
 
 
 @pytest.mark.parametrize("method", ["get", "post"])
