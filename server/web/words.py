@@ -30,7 +30,8 @@ def language() -> str:
     chosen = request.cookies.get(LANGUAGE_COOKIE, "")
     if chosen in LANGUAGES:
         return chosen
-    return request.accept_languages.best_match(LANGUAGES) or next(iter(LANGUAGES))
+    wanted = [tag.partition("-")[0].lower() for tag, quality in request.accept_languages if quality > 0]  # best first
+    return next((code for code in wanted if code in LANGUAGES), next(iter(LANGUAGES)))
 
 
 def theme() -> str:

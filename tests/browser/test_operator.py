@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
+from tests.browser.axe import looks, violations
 from tests.browser.people import Person
 from tests.support.battle import Battle
 from tests.support.player import Eyes, Player
@@ -155,7 +156,7 @@ def test_a_refused_rule_changes_nothing_and_says_why(desk: Page) -> None:
     desk.get_by_role("button", name="Save rules").click()
     expect(desk.locator("#problem")).to_contain_text("whole")
     expect(desk.locator("#rules-changed")).to_have_text("Not saved: Hit damage")
-    desk.get_by_role("button", name="Close").click()
+    desk.get_by_role("button", name="OK", exact=True).click()
     expect(desk.locator("#problem")).to_be_hidden()
 
 
@@ -264,6 +265,46 @@ def test_the_whole_log_can_be_taken_home(desk: Page) -> None:
     with desk.expect_download() as download:
         desk.get_by_role("link", name="log.csv").click()
     assert "Berta" in Path(download.value.path()).read_text()
+
+
+def test_everybody_can_use_the_desk_in_german_too(chromium: Browser, battle: Battle, screenshots: Path) -> None:
+    desk = chromium.new_page(locale="de-DE")
+    found: dict[str, list[str]] = {}
+
+    def look(what: str) -> None:
+        for how in looks(desk):
+            desk.screenshot(path=screenshots / f"desk-{what}-{how}.png", full_page=True)
+            found[f"{what} {how}"] = violations(desk)
+            if desk.evaluate("document.documentElement.scrollWidth > innerWidth"):
+                found[f"{what} {how}"].append("sticks out")
+
+    desk.goto(f"{battle.web}/operator")
+    look("door")
+    desk.get_by_label("Kennwort der Spielleitung").fill(TOKEN)
+    desk.keyboard.press("Enter")
+    expect(desk.locator("#robots-rows tr")).to_have_count(2)
+    expect(desk.locator("#battle-state")).to_have_text("Kein Kampf")
+    expect(desk.get_by_label("Schaden je Treffer")).to_be_visible()
+    look("empty")
+    robot_row(desk, 1).get_by_role("button", name="Außer Betrieb nehmen").click()
+    robot_row(desk, 1).get_by_role("button", name="Testfahrt").click()
+    expect(desk.locator("#drive-state")).to_contain_text("Steuerkreuz")
+    look("drive")
+    robot_row(desk, 1).get_by_role("button", name="Wieder in Betrieb").click()
+    with Player(battle, "Wolfgang_Amadeus") as wolfgang, Player(battle, "Bob") as bob:
+        assert wolfgang.ready() == bob.ready() == "OK"
+        expect(desk.locator("#battle-state")).to_have_text("Kampf")
+        expect(desk.locator("#battle-hint")).to_contain_text("läuft")
+        look("battle")
+        desk.locator("#abort").click()
+        expect(desk.locator("dialog[open]")).to_contain_text("Den Kampf beenden?")
+        look("question")
+        say_yes(desk, "Beenden")
+        expect(desk.locator("#battle-hint")).to_have_text("Kampf beendet: der Spielleiter hat ihn beendet.")
+        for player in (wolfgang, bob):
+            player.post("signOutUser", data=player.name)
+    desk.close()
+    assert {where: what for where, what in found.items() if what} == {}
 
 
 @pytest.mark.parametrize("way", PHONES)

@@ -77,7 +77,7 @@ def test_from_the_login_to_a_battle_and_the_leaderboard(played: GameServer, page
     look("results")
     page.get_by_role("link", name="Battle 1").click()
     expect(page.locator("h1")).to_have_text("Battle 1")
-    expect(page.locator(".about-battle")).to_contain_text("Bob signed out")
+    expect(page.locator(".about-battle")).to_contain_text("Battle over: Bob signed out.")
     lines = page.locator(".plot svg .life")
     expect(lines).to_have_count(2)
     heights = [line.bounding_box() for line in lines.all()]

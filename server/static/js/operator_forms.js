@@ -86,11 +86,11 @@ export class WordsForm {
   #words = [];
 
   constructor() {
-    byId("words").addEventListener("input", () => this.#showChanged());
+    byId("forbidden").addEventListener("input", () => this.#showChanged());
   }
 
   get words() {
-    return words.parseWords(byId("words").value);
+    return words.parseWords(byId("forbidden").value);
   }
 
   get #isChanged() {
@@ -100,7 +100,7 @@ export class WordsForm {
   show(forbidden) {
     const wasChanged = this.#isChanged;
     this.#words = forbidden;
-    if (!wasChanged && this.#isChanged) byId("words").value = forbidden.join("\n");
+    if (!wasChanged && this.#isChanged) byId("forbidden").value = forbidden.join("\n");
     this.#showChanged();
   }
 

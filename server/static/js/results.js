@@ -101,7 +101,7 @@ class Player {
       this.#at = Number(event.target.value);
       this.#show();
     });
-    this.#show();
+    new ResizeObserver(() => this.#show()).observe(byId("replay-floor")); // at first, and names need other places then
   }
 
   play() {
