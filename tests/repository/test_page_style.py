@@ -1,0 +1,59 @@
+"""The pages' colours: tokens, which are for day and night; any other one says why it is there."""
+
+import re
+
+import pytest
+
+from tests.support.programs import ROOT
+
+CSS = ROOT / "server" / "static" / "css"
+COLOUR = re.compile(r"#[0-9a-fA-F]{3,8}\b|\b(?:rgb|hsl)a?\(")
+TOKEN = re.compile(r"--([\w-]+): light-dark\((#\w+), (#\w+)\)")
+SERIES = re.compile(r"\.line-\d \{ --line-colour: light-dark\((#\w+), (#\w+)\)")
+
+
+@pytest.mark.parametrize("path", sorted(CSS.glob("*.css")), ids=lambda path: path.name)
+def test_colours_are_tokens(path) -> None:
+    if path.name == "common.css":
+        return  # where they are declared
+    lines = enumerate(path.read_text().splitlines(), 1)
+    bare = [f"{number}: {line.strip()}" for number, line in lines if is_bare(line)]
+    assert bare == [], "use a token of common.css, or say in a comment on the line why not"
+
+
+def is_bare(line: str) -> bool:
+    return "/*" not in line and ".night" not in line and COLOUR.search(line) is not None
+
+
+def luminance(colour: str) -> float:
+    digits = colour[1:] if len(colour) == 7 else "".join(2 * digit for digit in colour[1:])
+    parts = [int(digits[place : place + 2], 16) / 255 for place in (0, 2, 4)]
+    red, green, blue = (part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts)
+    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+
+def contrast(one: str, other: str) -> float:
+    """As WCAG 2 defines it, 1 to 21."""
+    dark, bright = sorted((luminance(one), luminance(other)))
+    return (bright + 0.05) / (dark + 0.05)
+
+
+def tokens() -> dict[str, tuple[str, str]]:
+    """By name, for day and night."""
+    return {name: (day, night) for name, day, night in TOKEN.findall((CSS / "common.css").read_text())}
+
+
+@pytest.mark.parametrize("text", ["text", "muted", "accent", "laser", "green", "amber", "red", "gold"])
+@pytest.mark.parametrize("ground", ["night", "sky", "panel", "field"])
+def test_text_can_be_read_on_every_ground(text: str, ground: str) -> None:
+    for colour, back in zip(tokens()[text], tokens()[ground], strict=True):
+        assert contrast(colour, back) >= 4.5
+
+
+def test_the_charts_lines_stand_out_and_the_names_in_their_colours_can_be_read() -> None:
+    series = SERIES.findall((CSS / "results.css").read_text())
+    assert len(series) == 8
+    for pair in series:
+        for back in ("panel", "field"):
+            for colour, ground in zip(pair, tokens()[back], strict=True):
+                assert contrast(colour, ground) >= 4.5

@@ -1,0 +1,116 @@
+"""What browsers get besides pages: names with a hash, kept for good, compressed; and where pages may connect to."""
+
+import gzip
+
+import pytest
+
+from server.game.loop import GameLoop
+from server.game.referee import Referee
+from server.game.rules import Rules
+from server.settings import Settings
+from server.web.app import create_app
+from server.web.assets import asset
+
+
+def browser_of(**variables: str):
+    return create_app(GameLoop(Referee(Rules())), Settings.from_env(variables)).test_client()
+
+
+@pytest.fixture(scope="module")
+def browser():
+    return browser_of()
+
+
+@pytest.mark.parametrize(
+    ("name", "kind"),
+    [
+        ("css/common.css", "text/css"),
+        ("js/plain.js", "text/javascript"),
+        ("img/logo.svg", "image/svg+xml"),
+        ("img/favicon.png", "image/png"),
+        ("type/oxanium-latin-wght-normal.woff2", "font/woff2"),
+    ],
+)
+def test_a_file_with_a_hash_in_its_name_is_kept_for_good(browser, name, kind):
+    response = browser.get(asset(name), buffered=True)
+    assert response.status_code == 200
+    assert response.content_type.partition(";")[0] == kind
+    assert {"max-age=315360000", "public", "immutable"} <= set(response.headers["Cache-Control"].split(", "))
+    assert response.headers["X-Content-Type-Options"] == "nosniff"
+    assert "Access-Control-Allow-Origin" not in response.headers
+
+
+def test_each_browser_gets_the_smallest_file_that_it_can_read(browser):
+    address = asset("css/common.css")
+    plain = browser.get(address, buffered=True)
+    assert "Content-Encoding" not in plain.headers
+    sizes = {}
+    for accept, encoding in (("gzip, deflate, br, zstd", "br"), ("gzip", "gzip"), ("identity", None)):
+        response = browser.get(address, headers={"Accept-Encoding": accept}, buffered=True)
+        assert response.headers.get("Content-Encoding") == encoding
+        assert "Accept-Encoding" in response.headers["Vary"]
+        sizes[encoding] = len(response.data)
+        if encoding == "gzip":
+            assert gzip.decompress(response.data) == plain.data
+    assert sizes["br"] < sizes["gzip"] < sizes[None]
+
+
+def test_every_file_that_a_page_names_is_there(browser):
+    for path in ("/", "/home", "/about", "/results", "/operator", "/nothing"):
+        for part in browser.get(path).text.split('"'):
+            if part.startswith("/static/"):
+                assert browser.head(part, buffered=True).status_code == 200, part
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/static/",
+        "/static/nothing.js",
+        "/static/common.css",
+        "/static/css/common.css",
+        "/static/common-00000000.css",
+        "/static/manifest.json.gz",
+        "/static/../main.py",
+        "/static/%2e%2e/main.py",
+        "/static/..%2fwords/en.json",
+        "/static/img/../../words/en.json",
+        "/static//etc/passwd",
+        "/static/%00",
+    ],
+)
+def test_anything_else_is_not_found(browser, path):
+    response = browser.get(path)
+    assert response.status_code == 404
+    assert "Error 404" in response.text
+    assert response.headers["X-Content-Type-Options"] == "nosniff"
+
+
+@pytest.mark.parametrize(
+    ("host", "name"),
+    [
+        ("localhost", "localhost"),
+        ("laser-bot-master.local:5000", "laser-bot-master.local"),
+        ("192.168.1.5:5000", "192.168.1.5"),
+        ("[::1]:5000", "[::1]"),
+        ("[::1]", "[::1]"),
+    ],
+)
+def test_a_page_may_connect_to_its_own_host_only(host, name):
+    browser = browser_of(LASERBOT_ROSBRIDGE_PORT="9123", LASERBOT_VIEW_PORT="8123")
+    policy = policy_of(browser.get("/home", headers={"Host": host}))
+    assert policy["connect-src"] == ["'self'", f"ws://{name}:9123", f"wss://{name}:9123"]
+    assert policy["frame-src"] == [f"http://{name}:8123", f"https://{name}:8123"]
+    assert policy["default-src"] == ["'self'"]
+    assert "'unsafe-inline'" not in policy.get("script-src", [])
+
+
+def test_without_a_view_of_the_arena_nothing_of_others_is_framed(browser):
+    policy = policy_of(browser.get("/home"))
+    assert policy.get("frame-src", policy["default-src"]) == ["'self'"]
+
+
+def policy_of(response) -> dict[str, list[str]]:
+    """By directive."""
+    parts = (part.split() for part in response.headers["Content-Security-Policy"].split(";"))
+    return {directive: sources for directive, *sources in parts}
