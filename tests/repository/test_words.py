@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from server.game.rules import DECLARED
+from server.web.assets import asset
 from server.web.words import LANGUAGES
 from tests.support.programs import ROOT
 
@@ -21,7 +22,6 @@ KEY = re.compile(r"""["'`]([a-z]+\.[a-z][a-z0-9_]*)(?=["'`$])""")
 PREFIX = re.compile(
     r"""\bt\(\s*(?:"([a-z]+\.[a-z0-9_]*)"\s*[~+]|'([a-z]+\.[a-z0-9_]*)'\s*[~+]|`([a-z]+\.[a-z0-9_]*)\$\{)"""
 )
-IMPORT = re.compile(r"""^(?:import|export)\b[^;]*?["']\./([\w.]+)["'];""", re.MULTILINE)
 SCRIPT = re.compile(r"""asset\(['"]js/(\w+)\.js['"]\)""")
 SECTIONS = re.compile(r"\{% set sections = (\[.*?\]) %\}")
 LOADS = re.compile(r"""\{% (?:extends|include) "(.+?)" %\}""")
@@ -102,16 +102,10 @@ def keys_with(prefix: str) -> set[str]:
 
 
 @cache
-def modules(name: str) -> frozenset[Path]:
-    """A script and all that it imports."""
-    found: set[Path] = set()
-    todo = [STATIC / "js" / name]
-    while todo:
-        path = todo.pop()
-        if path not in found:
-            found.add(path)
-            todo += [STATIC / "js" / other for other in IMPORT.findall(path.read_text())]
-    return frozenset(found)
+def sections_of(script: str) -> frozenset[str]:
+    """The sections of words that the bundle of this script says: what it imports and uses."""
+    text = (STATIC / "bundle" / asset(f"js/{script}.js").rpartition("/")[2]).read_text()
+    return frozenset(section for section in words("en") if re.search(rf"""["'`]{section}\.\w*["'`$]""", text))
 
 
 def family(template: Path) -> str:
@@ -128,12 +122,7 @@ def test_a_page_gets_the_words_that_its_scripts_say(template: Path) -> None:
     text = family(template)
     declared = SECTIONS.search(text)
     has = {"common", *(re.findall(r'"(\w+)"', declared.group(1)) if declared else [])}
-    says = {
-        key.partition(".")[0]
-        for script in SCRIPT.findall(text)
-        for module in modules(f"{script}.js")
-        for key in {*said(module)[0], *said(module)[1]}
-    }
+    says = {section for script in SCRIPT.findall(text) for section in sections_of(script)}
     assert says <= has, f"its scripts say {sorted(says - has)}, too"
 
 
