@@ -18,51 +18,75 @@ def battle() -> Iterator[Battle]:
         yield running
 
 
-@pytest.mark.timeout(900)  # its own deadlines are for a busy machine
-def test_every_state_of_login_game_and_watch(battle: Battle, chromium: Browser) -> None:
-    found: dict[str, list[str]] = {}
-    ann, cem = Person(chromium, battle, "Ann"), Person(chromium, battle, "Cem")
+class Looks:
+    """What axe-core has against the states of the pages that it was shown."""
 
-    def look(page: Page, state: str) -> None:
-        found.update({f"{state}, {size}": violations(page) for size in looks(page)})
+    def __init__(self) -> None:
+        self.found: dict[str, list[str]] = {}
 
-    def look_once(page: Page, state: str) -> None:
+    def all(self, page: Page, state: str) -> None:
+        self.found.update({f"{state}, {size}": violations(page) for size in looks(page)})
+
+    def once(self, page: Page, state: str) -> None:
         """At what goes by too fast for every size."""
-        found[state] = violations(page)
+        self.found[state] = violations(page)
 
-    look(ann.page, "login")
-    ann.page.locator("#how-to").click()
-    look(ann.page, "help")
-    ann.page.keyboard.press("Escape")
-    ann.page.locator("#username").fill("no spaces")
-    ann.page.keyboard.press("Enter")
-    look(ann.page, "a bad name")
-    ann.page.keyboard.press("Escape")
-    ann.log_in()
-    expect(ann.page.locator("#seats")).to_contain_text("Ann")
-    look(ann.page, "lobby")
-    for button, state in (("#settings", "settings"), ("#sign-out", "sign out?")):
-        ann.page.locator(".user-button").click()
-        look(ann.page, "the player's card")
-        ann.page.locator(button).click()
-        look(ann.page, state)
-        ann.page.keyboard.press("Escape")
-    with Player(battle, "Bob") as bob, Eyes(battle) as eyes:
+
+@pytest.mark.timeout(900)  # its own deadlines are for a busy machine
+def test_nobody_is_left_out_on_the_way_in_in_a_battle_and_after_it(battle: Battle, chromium: Browser) -> None:
+    look = Looks()
+    ann, cem = Person(chromium, battle, "Ann"), Person(chromium, battle, "Cem")
+    come_in(ann, look)
+    with Player(battle, "Bob") as bob:
         cem.page.locator("#username").fill("Cem")
         cem.page.locator("#username").press("Enter")
         expect(cem.page.locator("#queue-title")).to_be_visible()
-        look(cem.page, "queue")
+        look.all(cem.page, "queue")
         cem.page.goto(f"{battle.web}/watch")
         expect(cem.page.locator("body")).to_contain_text("Ann")
-        look(cem.page, "watch, before a battle")
-        ann.page.locator("#ready-btn").click()
-        assert bob.ready() == "OK"
-        expect(ann.page.locator("#countdown")).to_be_visible()
-        look(ann.page, "countdown")
-        look_once(cem.page, "watch, countdown")
-        expect(ann.page.locator("#game-status")).to_have_text("PLAY!")
-        look(ann.page, "battle")
-        look(cem.page, "watch, battle")
+        look.all(cem.page, "watch, before a battle")
+        fight(battle, (ann, bob, cem.page), look)
+    ann.page.goto(battle.web)
+    expect(ann.page.locator("#restore-title")).to_be_visible()
+    look.all(ann.page, "still signed in")
+    for person in (ann, cem):
+        person.context.close()
+    assert {state: lines for state, lines in look.found.items() if lines} == {}
+
+
+def come_in(ann: Person, look: Looks) -> None:
+    look.all(ann.page, "login")
+    ann.page.locator("#how-to").click()
+    look.all(ann.page, "help")
+    ann.page.keyboard.press("Escape")
+    ann.page.locator("#username").fill("no spaces")
+    ann.page.locator("#username").press("Enter")
+    expect(ann.page.locator("dialog[open]")).to_be_visible()
+    look.all(ann.page, "a bad name")
+    ann.page.keyboard.press("Escape")
+    ann.log_in()
+    expect(ann.page.locator("#seats")).to_contain_text("Ann")
+    look.all(ann.page, "lobby")
+    for button, state in (("#settings", "settings"), ("#sign-out", "sign out?")):
+        ann.page.locator(".user-button").click()
+        look.once(ann.page, f"the player's card before {state}")
+        ann.page.locator(button).click()
+        expect(ann.page.locator("dialog[open]")).to_be_visible()
+        look.all(ann.page, state)
+        ann.page.keyboard.press("Escape")
+
+
+def fight(battle: Battle, people: tuple[Person, Player, Page], look: Looks) -> None:
+    ann, bob, watch = people
+    ann.page.locator("#ready-btn").click()
+    assert bob.ready() == "OK"
+    expect(ann.page.locator("#countdown")).to_be_visible()
+    look.all(ann.page, "countdown")
+    look.once(watch, "watch, countdown")
+    expect(ann.page.locator("#game-status")).to_have_text("PLAY!")
+    look.all(ann.page, "battle")
+    look.all(watch, "watch, battle")
+    with Eyes(battle) as eyes:
         hunter = Hunter(eyes.floor)
 
         def ann_is_shot() -> bool:
@@ -70,13 +94,7 @@ def test_every_state_of_login_game_and_watch(battle: Battle, chromium: Browser) 
             return ann.page.locator("dialog[open]").count() > 0
 
         until(ann_is_shot, 120, "Bob shoots Ann")
-        look(ann.page, "result")
-        look_once(cem.page, "watch, podium")
-        ann.page.keyboard.press("Escape")
-        look(ann.page, "after the battle")
-        ann.page.goto(battle.web)
-        expect(ann.page.locator("#restore-title")).to_be_visible()
-        look(ann.page, "still signed in")
-    for person in (ann, cem):
-        person.context.close()
-    assert {state: lines for state, lines in found.items() if lines} == {}
+    look.all(ann.page, "result")
+    look.once(watch, "watch, podium")
+    ann.page.keyboard.press("Escape")
+    look.all(ann.page, "after the battle")
