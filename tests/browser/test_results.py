@@ -118,18 +118,14 @@ def test_a_battle_is_played_again_on_the_floor(seen: GameServer, page: Page, scr
         across, down = box["x"] + box["width"] / 2 - body["x"], box["y"] + box["height"] / 2 - body["y"]
         return across / metre - 0.03, 1.03 - down / metre
 
-    def told(at: float) -> tuple[float, float]:
-        """Where Jörg's robot was by the track, at about that time."""
-        track = page.request.get(f"{seen.url}/results/1.json").json()["track"]
-        number = min(range(len(track["times"])), key=lambda number: abs(track["times"][number] - at))
-        x, y, _ = track["robots"]["0"][number]
-        return float(x), float(y)
-
+    track = page.request.get(f"{seen.url}/results/1.json").json()["track"]
+    told = {at: (x, y) for at, (x, y, _) in zip(track["times"], track["robots"]["0"], strict=True)}  # of Jörg's robot
     assert place(1) == pytest.approx((1.9, 0.9), abs=0.01)
-    for at in (1.0, 3.0):
+    left, right = min(told, key=lambda at: told[at][0]), max(told, key=lambda at: told[at][0])
+    assert told[right][0] - told[left][0] > 0.3
+    for at in (left, right):
         slider.fill(str(at))
-        assert place(0) == pytest.approx(told(at), abs=0.12), "not later than two sights"
-    assert abs(told(1.0)[0] - told(3.0)[0]) > 0.3
+        assert place(0) == pytest.approx(told[at], abs=0.12), "not later than two sights"
     slider.press("End")
     expect(labels).to_have_text(["Jörg100", "Bob20"])
     expect(robots.nth(1)).to_have_class(re.compile("out"))

@@ -66,8 +66,9 @@ tell("cancelled", (await run(counter, { goal: 200 }, (goal) => goal.cancel()))[1
 
 const server = new ROSLIB.SimpleActionServer({ ros, serverName: "/client/action", actionName: "actionlib/TestAction" });
 server.on("goal", (goal) => {
-  server.sendFeedback({ feedback: 1 });
-  setTimeout(() => server.setSucceeded({ result: goal.goal }), 200);
+  // actionlib's client takes no feedback before its send_goal() has returned
+  setTimeout(() => server.sendFeedback({ feedback: 1 }), 200);
+  setTimeout(() => server.setSucceeded({ result: goal.goal }), 400);
 });
 tell("acts", JSON.parse((await call("/lab/act", "std_srvs/Trigger", {})).message));
 

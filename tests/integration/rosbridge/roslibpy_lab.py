@@ -84,8 +84,9 @@ def use_actions(ros: roslibpy.Ros) -> None:
     server = actionlib.SimpleActionServer(ros, "/client/action", ACTION)
 
     def act(goal: dict[str, Any]) -> None:
-        server.send_feedback({"feedback": 1})
-        ros.call_later(0.2, lambda: server.set_succeeded({"result": goal["goal"]}))
+        # actionlib's client takes no feedback before its send_goal() has returned
+        ros.call_later(0.2, lambda: server.send_feedback({"feedback": 1}))
+        ros.call_later(0.4, lambda: server.set_succeeded({"result": goal["goal"]}))
 
     server.start(act)
     request = roslibpy.Service(ros, "/lab/act", "std_srvs/Trigger")
