@@ -1,4 +1,4 @@
-// The page of the arena, by itself or inside a page of the game: follows the view and who plays, draws every frame.
+// The page of the arena, by itself or inside a page of the game: follows the view and who plays, draws what moves.
 
 import { Cast } from "./cast.js";
 import { Embedding } from "./embedding.js";
@@ -11,6 +11,7 @@ import { Scene } from "./scene.js";
 import { languageOf, wordsOf } from "./words.js";
 
 const byId = (id) => document.getElementById(id);
+const SETTLING = 3; // s that a picture moves on when nothing new happens: tracks fade, sparks fly
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const isEmbedded = new URLSearchParams(location.search).has("embedded") && window.parent !== window;
 const socketUrl = (host) => `${location.protocol === "https:" ? "wss:" : "ws:"}//${host}`;
@@ -31,7 +32,10 @@ const embedding = new Embedding(takePlayers, report);
 
 let robots = []; // of the newest state
 let state = "connecting";
-let pictures = 0; // since the last report
+let told = ""; // the robots of the newest state, as text
+let toldPlayers = ""; // who plays, as text
+let movedAt = 0; // s; when something new was last seen
+let pictures = 0; // that the screen has had time for since the last report
 let reportedAt = performance.now();
 
 function showConnection(news) {
@@ -47,9 +51,14 @@ function receive(message) {
     document.body.style.setProperty("--floor-ratio", `${message.width} / ${message.height}`);
     scene.build(message);
     motion.clear();
+    movedAt = seconds();
   } else if (message.type === "state") {
     motion.add(message, seconds());
     robots = message.robots;
+    const news = JSON.stringify(robots);
+    if (news === told) return;
+    told = news;
+    movedAt = seconds();
     showWords();
   }
 }
@@ -58,6 +67,10 @@ function takePlayers(players) {
   cast.take(players, seconds());
   governor.mode = players?.effects ?? "auto";
   feed.drives = cast.drives;
+  const news = JSON.stringify(players);
+  if (news === toldPlayers) return;
+  toldPlayers = news;
+  movedAt = seconds();
   showWords();
 }
 
@@ -80,8 +93,11 @@ function report() {
 function frame(now) {
   governor.picture(now);
   pictures += 1;
-  scene.draw(motion.at(now / 1000), cast, governor.effects, calm.matches, now / 1000);
   requestAnimationFrame(frame);
+  const { effects } = governor;
+  const isMoving = now / 1000 - movedAt < SETTLING || (cast.smokes && effects.smoke > 0 && !calm.matches);
+  if (!isMoving || pictures % effects.every > 0) return;
+  scene.draw(motion.at(now / 1000), cast, effects, calm.matches, now / 1000);
 }
 
 if (isEmbedded) {
@@ -91,5 +107,8 @@ if (isEmbedded) {
   new Game(socketUrl(`${location.hostname}:${port}`), takePlayers).open();
 }
 feed.open();
-new ResizeObserver(([{ contentRect }]) => scene.resize(contentRect.width, contentRect.height)).observe(byId("floor").parentElement);
+new ResizeObserver(([{ contentRect }]) => {
+  scene.resize(contentRect.width, contentRect.height);
+  movedAt = seconds();
+}).observe(byId("floor").parentElement);
 requestAnimationFrame(frame);

@@ -42,6 +42,11 @@ export class Cast {
     return now - this.#startedAt;
   }
 
+  /** Whether a robot of the picture smokes. */
+  get smokes() {
+    return [...this.#roles.values()].some(({ out }) => out);
+  }
+
   /** Whether somebody at this picture drives a robot. */
   get drives() {
     return [...this.#roles.values()].some(({ isMe }) => isMe);

@@ -2,13 +2,14 @@
 
 /**
  * From all effects to the fewest. `glow` = layers of a beam, `smoke` = puffs over a robot that is out, `sparks` = of a
- * hit, `density` = the most canvas pixels for a CSS pixel.
+ * hit, `density` = the most canvas pixels for a CSS pixel, `every` = of how many of the screen's pictures one is drawn.
  */
 export const LEVELS = [
-  { glow: 4, smoke: 8, sparks: 26, tracks: true, density: 2 },
-  { glow: 2, smoke: 5, sparks: 12, tracks: true, density: 1.5 },
-  { glow: 1, smoke: 3, sparks: 6, tracks: false, density: 1 },
-  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1 },
+  { glow: 4, smoke: 8, sparks: 26, tracks: true, density: 2, every: 1 },
+  { glow: 2, smoke: 5, sparks: 12, tracks: true, density: 1.5, every: 1 },
+  { glow: 1, smoke: 3, sparks: 6, tracks: false, density: 1, every: 1 },
+  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, every: 2 },
+  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, every: 4 },
 ];
 const REDUCED = 2; // the level of who wants few effects
 
