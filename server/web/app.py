@@ -1,24 +1,21 @@
 """The web application (manual 3.1.3): pages, error pages and the rules that hold for every request."""
 
-import re
-
 from flask import Blueprint, Flask, Response, abort, make_response, redirect, render_template, request
 from werkzeug.exceptions import HTTPException, MethodNotAllowed, NotFound
 from werkzeug.wrappers import Response as WerkzeugResponse
 
+from laser_bot_battle.hosts import policy_source
 from server.game.loop import GameLoop
 from server.settings import Settings
 from server.store.results import Results
 from server.web import operator_api
 from server.web.api import cookie_session, create_api, reply
 from server.web.assets import asset, with_assets
-from server.web.hosts import with_valid_host
+from server.web.hosts import request_host, with_valid_host
 from server.web.results import create_results
 from server.web.words import add_words
 
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
-# what a policy can name: browsers ignore names with an underscore and addresses of IPv6 there
-_NAMEABLE = re.compile(r"[A-Za-z0-9.-]+")
 
 
 def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
@@ -56,7 +53,7 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
         """A form on another web site may POST to us; browsers then say where it comes from."""
         origin = request.headers.get("Origin")
         is_harmless = request.method in {"GET", "HEAD", "OPTIONS"}
-        if is_harmless or origin is None or origin.partition("://")[2] == request.host:
+        if is_harmless or origin is None or origin.partition("://")[2] == request_host():
             return None
         return _refuse(403, "requests from other web sites are refused")
 
@@ -75,7 +72,7 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
     @app.after_request
     def set_headers(response: Response) -> Response:
         headers = response.headers
-        headers.setdefault("Content-Security-Policy", _page_policy(settings, request.host))
+        headers.setdefault("Content-Security-Policy", _page_policy(settings, request_host()))
         headers["X-Content-Type-Options"] = "nosniff"
         headers["Referrer-Policy"] = "same-origin"
         headers["Cache-Control"] = "no-store"
@@ -113,9 +110,7 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
 
 def _page_policy(settings: Settings, host: str) -> str:
     """What a page may do: open a WebSocket to rosbridge and show the arena's view, on the host that it came from."""
-    name = host.rpartition(":")[0] if re.search(r":\d+$", host) else host
-    if not _NAMEABLE.fullmatch(name):
-        name = "*"
+    name, _ = policy_source(host)
     bridge, view = f"{name}:{settings.rosbridge_port}", f"{name}:{settings.view_port}"
     frames = f"http://{view} https://{view}" if settings.view_port else "'none'"
     return (

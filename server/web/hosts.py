@@ -2,26 +2,16 @@
 
 import json
 import logging
-import re
 from collections.abc import Iterable
 from wsgiref.types import StartResponse, WSGIApplication, WSGIEnvironment
 
+from flask import request
+
+from laser_bot_battle.hosts import is_valid_host
+
 _log = logging.getLogger(__name__)
 
-_LABEL = r"[A-Za-z0-9_](?:[A-Za-z0-9_-]{0,61}[A-Za-z0-9_])?"
-_HOST = re.compile(rf"(?:{_LABEL}(?:\.{_LABEL})*\.?|\[[0-9A-Fa-f:.]{{2,45}}\])(?::[0-9]{{1,5}})?")
-_MAX_HOST = 260  # characters, the port included
-
 _REFUSAL = json.dumps({"error": "the header Host names no host", "status": "ERROR"}).encode()
-
-
-def is_valid_host(host: str) -> bool:
-    """Whether that can stand in a header Host: a name, an IPv4 address or an IPv6 address in brackets; with a port."""
-    try:
-        host.encode("ascii").decode("idna")
-    except UnicodeError:
-        return False
-    return len(host) <= _MAX_HOST and _HOST.fullmatch(host) is not None
 
 
 def with_valid_host(application: WSGIApplication) -> WSGIApplication:
@@ -44,3 +34,10 @@ def with_valid_host(application: WSGIApplication) -> WSGIApplication:
         return [_REFUSAL]
 
     return guarded
+
+
+def request_host() -> str:
+    """The host that this request names, with its port unless that is the usual one. Werkzeug's own has no name with an
+    underscore (laser_bot_master.local)."""
+    host: str = request.environ.get("HTTP_HOST", "localhost")
+    return host.removesuffix(":443" if request.scheme == "https" else ":80")

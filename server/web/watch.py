@@ -14,6 +14,7 @@ from laser_bot_battle.addresses import reachable_addresses
 from server.game.loop import GameLoop
 from server.game.snapshot import Placing, Player, Snapshot
 from server.settings import Settings
+from server.web.hosts import request_host
 
 
 def create_watch(game: GameLoop, settings: Settings) -> Blueprint:
@@ -22,7 +23,7 @@ def create_watch(game: GameLoop, settings: Settings) -> Blueprint:
 
     @pages.get("/watch")
     def watch() -> str:
-        address = players_address(request.scheme, request.host, settings.node.bind, settings.node.port)
+        address = players_address(request.scheme, request_host(), settings.node.bind, settings.node.port)
         return render_template(
             "watch.html",
             address=address,

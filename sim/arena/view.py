@@ -11,9 +11,10 @@ from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
+from laser_bot_battle.hosts import is_valid_host
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
-from sim.arena.policy import is_host, page_policy
+from sim.arena.policy import page_policy
 from sim.arena.viewers import RATE, Clock, Viewer, Viewers
 from sim.arena.world import World
 
@@ -91,7 +92,7 @@ class View:
     ) -> web.StreamResponse:
         """The answer with the headers of all pages; 400 for a header Host that names none."""
         host = request.headers.get("Host", "localhost")
-        if not is_host(host):
+        if not is_valid_host(host):
             raise web.HTTPBadRequest(text="the header Host names no host")
         headers = {"Content-Security-Policy": page_policy(host, self._rosbridge_port), **HEADERS}
         try:

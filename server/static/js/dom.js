@@ -29,6 +29,19 @@ export function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
 
+/** A life bar, full; `label` for screen readers. */
+export function lifeBar(label) {
+  const bar = element("div", { className: "bar", role: "progressbar", ariaLabel: label }, element("div", { className: "bar-fill" }));
+  bar.setAttribute("aria-valuemin", "0");
+  bar.setAttribute("aria-valuemax", "100");
+  return bar;
+}
+
+/** Show another picture only when it is another one. */
+export function setPicture(image, url) {
+  if (image.getAttribute("src") !== url) image.src = url;
+}
+
 /** A life bar's width, colour and value for screen readers. */
 export function setLife(bar, life) {
   bar.setAttribute("aria-valuenow", String(life));

@@ -1,7 +1,7 @@
 // The feed on a page: what happens, in words, newest first.
 
 import { avatarUrl } from "./assets.js";
-import { element, setText } from "./dom.js";
+import { element, setPicture, setText } from "./dom.js";
 import { changes } from "./feed.js";
 import { list, percent, t } from "./words.js";
 
@@ -58,7 +58,7 @@ export class FeedList {
     node.dataset.tone = tone;
     const picture = node.querySelector("img");
     picture.hidden = avatar === null;
-    if (avatar !== null && picture.getAttribute("src") !== avatarUrl(avatar)) picture.src = avatarUrl(avatar);
+    if (avatar !== null) setPicture(picture, avatarUrl(avatar));
     setText(node.querySelector("span"), text);
     this.#list.prepend(node);
   }

@@ -1,7 +1,7 @@
 // The game page's elements, set from the state. It keeps nothing but what is needed to change as little as possible.
 
 import { avatarUrl } from "./assets.js";
-import { element, icon, setLife, setText } from "./dom.js";
+import { element, icon, lifeBar, setLife, setPicture, setText } from "./dom.js";
 import * as state from "./state.js";
 import { number, percent, t } from "./words.js";
 
@@ -13,7 +13,7 @@ export function showPlayer({ name, robot, avatar, date }) {
   set(".username", name);
   set(".robotN", t("home.robot", { id: String(robot) }));
   set(".date", t("home.logged_in", { date }));
-  for (const picture of document.querySelectorAll(".userImage")) setPicture(picture, avatar);
+  for (const picture of document.querySelectorAll(".userImage")) setPicture(picture, avatarUrl(avatar));
 }
 
 /** Everything that depends on the state of the battle; `refusal` is why commands are refused now, for people. */
@@ -88,9 +88,6 @@ function showRows(parent, users, make, fill) {
 }
 
 function makeRival(name) {
-  const bar = element("div", { className: "bar" }, element("div", { className: "bar-fill" }));
-  const values = { role: "progressbar", "aria-valuemin": "0", "aria-valuemax": "100", "aria-label": t("home.life_of", { name }) };
-  for (const [attribute, value] of Object.entries(values)) bar.setAttribute(attribute, value);
   return element(
     "li",
     { className: "rival" },
@@ -98,12 +95,12 @@ function makeRival(name) {
     element("strong", { className: "user-name" }, name),
     element("span", { className: "badge" }),
     element("span", { className: "user-sign" }),
-    bar,
+    lifeBar(t("home.life_of", { name })),
   );
 }
 
 function fillRival(row, user, game) {
-  setPicture(row.querySelector("img"), user.avatar);
+  setPicture(row.querySelector("img"), avatarUrl(user.avatar));
   const sign = setSign(row.querySelector(".user-sign"), user, game);
   row.classList.toggle("is-out", sign === "times");
   setText(row.querySelector(".badge"), percent(user.life));
@@ -121,7 +118,7 @@ function makeSeat(name) {
 }
 
 function fillSeat(seat, user, game, name) {
-  setPicture(seat.querySelector("img"), user.avatar);
+  setPicture(seat.querySelector("img"), avatarUrl(user.avatar));
   setSign(seat.querySelector(".user-sign"), user, game);
   seat.classList.toggle("is-ready", user.ready);
   seat.classList.toggle("is-me", user.name === name);
@@ -135,10 +132,6 @@ function setSign(box, user, game) {
     box.replaceChildren(icon(symbol), element("span", { className: "visually-hidden" }, meaning));
   }
   return symbol;
-}
-
-function setPicture(picture, avatar) {
-  if (picture.getAttribute("src") !== avatarUrl(avatar)) picture.src = avatarUrl(avatar);
 }
 
 /** The state of the connection with its quality and, when something is wrong, the banner that says what. */

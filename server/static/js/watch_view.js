@@ -1,7 +1,7 @@
 // The elements of the page for spectators, set from the state. Nodes of people who stay are kept.
 
 import { avatarUrl } from "./assets.js";
-import { element, setLife, setText } from "./dom.js";
+import { element, lifeBar, setLife, setPicture, setText } from "./dom.js";
 import { leadersView } from "./leaders.js";
 import { podiumView } from "./podium.js";
 import { clockText, COUNTDOWN, PLAYING, STOPPED } from "./state.js";
@@ -71,11 +71,6 @@ function showPlayers({ users, game }) {
 }
 
 function makeRow(name) {
-  const bar = element("div", { className: "bar" }, element("div", { className: "bar-fill" }));
-  bar.setAttribute("role", "progressbar");
-  bar.setAttribute("aria-valuemin", "0");
-  bar.setAttribute("aria-valuemax", "100");
-  bar.setAttribute("aria-label", t("watch.life_of", { name }));
   const row = element(
     "li",
     { className: "watch-player" },
@@ -83,15 +78,14 @@ function makeRow(name) {
     element("strong", { className: "watch-name" }, name),
     element("span", { className: "watch-robot" }),
     element("span", { className: "watch-life" }),
-    bar,
+    lifeBar(t("watch.life_of", { name })),
   );
   row.dataset.name = name;
   return row;
 }
 
 function fillRow(row, user, game) {
-  const picture = row.querySelector("img");
-  if (picture.getAttribute("src") !== avatarUrl(user.avatar)) picture.src = avatarUrl(user.avatar);
+  setPicture(row.querySelector("img"), avatarUrl(user.avatar));
   const { state, text } = standing(user, game);
   row.dataset.state = state;
   setText(row.querySelector(".watch-robot"), t("watch.robot", { n: user.robot }));

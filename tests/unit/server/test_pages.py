@@ -112,3 +112,15 @@ def test_pages_may_open_a_websocket_to_rosbridge(browser):
 
 def test_a_huge_body_to_a_page_is_refused(browser):
     assert browser.post("/home", data=b"x" * 20_000).status_code in {405, 413}
+
+
+@pytest.mark.parametrize(
+    "host", ["localhost", "10.0.0.7:5000", "laser_bot_master.local:5000", "laser-bot-master.local", "[::1]:5000"]
+)
+def test_a_form_of_our_own_page_is_taken_under_each_of_its_names(browser, host):
+    def sign_out(origin):
+        headers = {"Host": host, "Origin": origin}
+        return browser.post("/signOutUser", data={"data": "nobody"}, headers=headers)
+
+    assert "UNREGISTERED" in sign_out(f"http://{host}").text
+    assert sign_out("http://evil.example").status_code == 403
