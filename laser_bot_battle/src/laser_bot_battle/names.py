@@ -21,6 +21,7 @@ POSITIONS_NODE = "arena_positions"
 ADD_NEW_ROBOT = "/add_new_robot"
 GAME_STATUS = "/game_status"
 POSITIONS = "/positions"
+SHOTS = "/shots"
 
 KEY_FIELD = "laserbot_key"  # of the connection header in which a robot registers: the digest of its key
 
@@ -51,6 +52,22 @@ def command_topic(robot_id: int) -> str:
 
 def response_topic(robot_id: int) -> str:
     return f"/{robot_node(robot_id)}/response"
+
+
+def hit_topic(robot_id: int) -> str:
+    return f"/{robot_node(robot_id)}/hit"
+
+
+def setup_topic(robot_id: int) -> str:
+    return f"/{robot_node(robot_id)}/setup"
+
+
+def health_topic(robot_id: int) -> str:
+    return f"/{robot_node(robot_id)}/health"
+
+
+def identify_topic(robot_id: int) -> str:
+    return f"/{robot_node(robot_id)}/identify"
 
 
 def client_name(robot_name: str) -> str:
