@@ -137,8 +137,8 @@ static void obey(struct arena_link *link, const char *line)
 		report_light(link, event);
 	} else if (strcmp(line, "light 1") == 0 || strcmp(line, "light 0") == 0) {
 		report_light(link, (struct light_event){.kind = LIGHT_PLAIN, .on = line[6] == '1'});
-	} else if (strcmp(line, "lamp 1") == 0 || strcmp(line, "lamp 0") == 0) {
-		report_light(link, (struct light_event){.kind = LIGHT_LAMP, .on = line[5] == '1'});
+	} else if (strcmp(line, "lamp 1") == 0) {
+		report_light(link, (struct light_event){.kind = LIGHT_LAMP});
 	} else if (strncmp(line, "error ", 6) == 0) {
 		fprintf(stderr, "avr_robot %s: the arena says: %s\n", link->robot, line + 6);
 	} /* anything else: from a newer arena, perhaps */

@@ -79,7 +79,7 @@ static void see(struct robot *robot)
 		switch (event.kind) {
 		case LIGHT_DARK: receiver_darken(receiver); return;
 		case LIGHT_PLAIN: receiver_shine(receiver, event.on); return;
-		case LIGHT_LAMP: receiver_lamp(receiver, event.on); return;
+		case LIGHT_LAMP: receiver_light_lamp(receiver); return;
 		case LIGHT_CARRIER:
 			if (event.source < LIGHT_SOURCES)
 				receiver_carrier(receiver, event.source, event.cycle, event.on);

@@ -124,12 +124,9 @@ void receiver_carrier(struct receiver *receiver, unsigned number, uint64_t cycle
 	set_timer(receiver);
 }
 
-void receiver_lamp(struct receiver *receiver, bool on)
+void receiver_light_lamp(struct receiver *receiver)
 {
-	if (on == receiver->lamp)
-		return;
-	receiver->lamp = on;
-	receiver->lamp_phase = on;
+	receiver->lamp = receiver->lamp_phase = true;
 	receiver->lamp_due = receiver->avr->cycle + LAMP_HALF;
 	update(receiver);
 	set_timer(receiver);

@@ -66,8 +66,8 @@ void receiver_keep_going(struct receiver *receiver);
 /* Plain light is there from now on, or not. */
 void receiver_shine(struct receiver *receiver, bool light);
 
-/* A lamp is there from now on, or not: plain light that comes and goes with the mains, 100 times a second. */
-void receiver_lamp(struct receiver *receiver, bool on);
+/* A lamp is there from now on: plain light that comes and goes with the mains, 100 times a second. */
+void receiver_light_lamp(struct receiver *receiver);
 
 /* The carrier of `source` < LIGHT_SOURCES starts or ends at `cycle` of its own time. */
 void receiver_carrier(struct receiver *receiver, unsigned source, uint64_t cycle, bool on);
