@@ -9,6 +9,7 @@ from aiohttp import web
 
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.settings import describe, read_or_exit
+from sim.arena.ambient import Ambient, add_options
 from sim.arena.floor import BATTLE_FLOOR
 from sim.arena.link import Link
 from sim.arena.settings import VARIABLES, Settings
@@ -19,11 +20,11 @@ from sim.lifecycle import live_until, signalled
 _log = logging.getLogger(__name__)
 
 
-async def run(settings: Settings) -> None:
-    """Serve until SIGINT or SIGTERM; OSError if a port cannot be had."""
+async def run(settings: Settings, light: Ambient) -> None:
+    """Serve, in that light, until SIGINT or SIGTERM; OSError if a port cannot be had."""
     end = signalled()
     world = World(BATTLE_FLOOR)
-    link = Link(world)
+    link = Link(world, light)
     page = web.AppRunner(View(world, settings.rosbridge_port).app(), access_log=None, shutdown_timeout=1.0)
     await page.setup()
     try:
@@ -38,16 +39,18 @@ async def run(settings: Settings) -> None:
 
 def main() -> int:
     """Exit code 0 after a signal, 1 if a port cannot be had, 2 for an impossible setting."""
-    argparse.ArgumentParser(
+    parser = argparse.ArgumentParser(
         "sim.arena",
         description="The physical world of the virtual robots: floor, walls, light.",
         epilog=describe(*VARIABLES),
         formatter_class=argparse.RawDescriptionHelpFormatter,
-    ).parse_args()
+    )
+    add_options(parser)
+    light = Ambient(**vars(parser.parse_args()))
     settings = read_or_exit("arena", Settings.from_env)
     configure_logging(settings.log_level)
     try:
-        asyncio.run(run(settings))
+        asyncio.run(run(settings, light))
     except OSError as error:
         print(f"arena: cannot listen: {error.strerror}; is another arena running?", file=sys.stderr)
         return 1

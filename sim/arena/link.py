@@ -3,12 +3,15 @@
 import asyncio
 import contextlib
 import logging
+import random
 import socket
 from collections.abc import Iterable
+from typing import NoReturn
 
-from sim.arena import protocol
+from sim.arena import ambient, protocol
+from sim.arena.ambient import Ambient
 from sim.arena.protocol import LinkError
-from sim.arena.world import ArenaError, Robot, World
+from sim.arena.world import MAX_ROBOTS, ArenaError, Robot, World
 
 MAX_CONNECTIONS = 32  # named or not; a battle needs 8
 HELLO_SECONDS = 5.0  # for the first line
@@ -25,6 +28,7 @@ class Peer:
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self.reader = reader
         self.writer = writer
+        self.source = 0  # number of its light among the robots'
         self.address = "{}:{}".format(*writer.get_extra_info("peername")[:2])
 
     async def line(self) -> bytes | None:
@@ -56,10 +60,13 @@ class Peer:
 
 
 class Link:
-    """Connects robots' hardware with the world: their wheels and beams go in, light comes out at once."""
+    """Connects robots' hardware with the world: their wheels and lights go in, what they see comes out at once."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, light: Ambient) -> None:
+        """`light` is there beside the robots'."""
         self._world = world
+        self._ambient = light
+        self._remote: asyncio.Task[NoReturn] | None = None
         self._robots: dict[str, Peer] = {}
         self._open: set[Peer] = set()
         self._light_due: asyncio.TimerHandle | None = None
@@ -68,9 +75,13 @@ class Link:
     async def start(self, bind: str, port: int) -> None:
         """Listen; OSError if that is impossible."""
         self._server = await asyncio.start_server(self._serve, bind, port, limit=protocol.MAX_LINE)
+        if self._ambient.remote:
+            self._remote = asyncio.create_task(self._press_keys())
 
     async def stop(self) -> None:
         """Close the listening socket and every connection."""
+        if self._remote:
+            self._remote.cancel()
         if self._server:
             self._server.close()
         for peer in list(self._open):
@@ -109,12 +120,15 @@ class Link:
             older.writer.close()
             self._drop(name)
         robot = self._world.arrive(name)
+        peer.source = min(set(range(MAX_ROBOTS)) - {other.source for other in self._robots.values()})
         self._robots[name] = peer
         _log.info("%s on the floor (%s)", name, peer.address)
         try:
             self._tell(self._world.update_light())
             if not robot.lit:
-                peer.send(protocol.light(False))
+                peer.send(protocol.light(self._ambient.sun))
+            if self._ambient.lamp:
+                peer.send(protocol.lamp())
             await self._listen(name, peer)
         finally:
             if self._robots.get(name) is peer:
@@ -131,6 +145,10 @@ class Link:
                 case protocol.Beam(on):
                     self._world.set_beam(name, on)
                     self._tell(self._world.update_light())
+                case protocol.CarrierEdge(on, cycle):
+                    now = asyncio.get_running_loop().time()
+                    for robot in self._world.switch_carrier(name, on, cycle, now):
+                        self._robots[robot.name].send(protocol.carrier(peer.source, on, cycle))
 
     def _drop(self, name: str) -> None:
         del self._robots[name]
@@ -148,7 +166,20 @@ class Link:
 
     def _tell(self, changed: Iterable[Robot]) -> None:
         for robot in changed:
-            self._robots[robot.name].send(protocol.light(robot.lit))
+            self._robots[robot.name].send(protocol.light(robot.lit or self._ambient.sun))
+
+    async def _press_keys(self) -> NoReturn:
+        """The remote control. Each part of a press is sent as a whole: its edges have their times."""
+        loop, chance = asyncio.get_running_loop(), random.Random(0)
+        while True:
+            start = loop.time()
+            for part in ambient.key_press(chance.randrange(256), chance.randrange(256)):
+                began = int(loop.time() * 1_000_000) * ambient.US
+                lines = b"".join(protocol.carrier(ambient.SOURCE, on, began + cycle) for cycle, on in part)
+                for peer in self._robots.values():
+                    peer.send(lines)
+                await asyncio.sleep(ambient.REPEAT_PERIOD)
+            await asyncio.sleep(start + ambient.PRESS_PERIOD - loop.time())
 
 
 def _configure(peer: socket.socket) -> None:

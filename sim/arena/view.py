@@ -43,11 +43,11 @@ def arena_message(world: World) -> dict[str, Any]:
     }
 
 
-def state_message(world: World, time: float) -> dict[str, Any]:
-    """Everything on the floor at `time` (s since the arena's start), sorted by name."""
+def state_message(world: World, now: float, start: float = 0.0) -> dict[str, Any]:
+    """Everything on the floor at `now`, sorted by name; its time counts from `start` (s of the arena's clock)."""
     return {
         "type": "state",
-        "time": round(time, 3),
+        "time": round(now - start, 3),
         "robots": [
             {
                 "name": robot.name,
@@ -55,8 +55,8 @@ def state_message(world: World, time: float) -> dict[str, Any]:
                 "x": round(robot.pose.x, 4),
                 "y": round(robot.pose.y, 4),
                 "heading": round(robot.pose.heading, 4),
-                "beam": robot.beam,
-                "lit": robot.lit,
+                "beam": robot.is_shining(now),
+                "lit": robot.is_lit(now),
                 "hits": robot.hits,
             }
             for robot in sorted(world.robots.values(), key=lambda robot: robot.name)
@@ -120,7 +120,7 @@ class View:
         start = loop.time()
         while True:
             if self._viewers:
-                self._newest = json.dumps(state_message(self._world, loop.time() - start))
+                self._newest = json.dumps(state_message(self._world, loop.time(), start))
                 self._clock.tick()
             await asyncio.sleep(1 / RATE)
 

@@ -2,8 +2,9 @@
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from sim.arena.carrier import Carrier
 from sim.arena.floor import Floor
 from sim.arena.geometry import METRES_PER_HALF_STEP, ROBOT_RADIUS, Point, Pose, nearest_on_wall, roll
 from sim.arena.light import shines_on
@@ -13,6 +14,7 @@ MAX_REMEMBERED = 64  # robots that left and may come back to their place
 MAX_JUMP = 20_000  # half-steps between two reports; 20 s of full speed, so more is no wheel's motion
 STRIDE = 0.005  # m; longer motions are checked for collisions in pieces of this length
 CONTACT_TURNS = 4  # times that a robot is pushed out of what it touches before it counts as wedged
+FLASH = 0.15  # s that coded light is shown: its 25 ms are too short for eyes and for a view of 10 states a second
 TOUCH = 1e-6  # m of overlap that is rounding, not contact
 
 
@@ -30,6 +32,17 @@ class Robot:
     beam: bool = False
     lit: bool = False
     hits: int = 0
+    carrier: Carrier = field(default_factory=Carrier)
+    flash_until: float = -math.inf
+    lit_until: float = -math.inf
+
+    def is_shining(self, now: float) -> bool:
+        """For people: a little longer than it is."""
+        return self.beam or now < self.flash_until
+
+    def is_lit(self, now: float) -> bool:
+        """For people, likewise."""
+        return self.lit or now < self.lit_until
 
     @property
     def id(self) -> int | None:
@@ -64,7 +77,7 @@ class World:
     def leave(self, name: str) -> None:
         """Take a robot off the floor; its place and hits are kept for its return."""
         robot = self.robots.pop(name)
-        robot.wheels, robot.beam, robot.lit = None, False, False
+        robot.wheels, robot.beam, robot.lit, robot.carrier = None, False, False, Carrier()
         self._away[name] = robot
         while len(self._away) > MAX_REMEMBERED:
             del self._away[next(iter(self._away))]
@@ -86,6 +99,24 @@ class World:
     def set_beam(self, name: str, on: bool) -> None:
         self.robots[name].beam = on
 
+    def switch_carrier(self, name: str, on: bool, cycle: int, now: float) -> list[Robot]:
+        """The carrier starts or ends at `cycle` of the robot's time; returns the robots that see that.
+
+        A robot that has seen all of a packet has a hit more. `now` is of the arena's clock (s).
+        """
+        shooter = self.robots[name]
+        if on == shooter.carrier.on:
+            return []
+        if on:
+            shooter.carrier.start(cycle, [robot.name for robot in self.robots.values() if self._meets(shooter, robot)])
+        whole = frozenset() if on else shooter.carrier.end(cycle)
+        shooter.flash_until = now + FLASH
+        seeing = [robot for robot in self.robots.values() if robot.name in shooter.carrier.seen_by]
+        for robot in seeing:
+            robot.lit_until = now + FLASH
+            robot.hits += robot.name in whole
+        return seeing
+
     @property
     def any_light(self) -> bool:
         """Whether motion can change who is lit."""
@@ -103,17 +134,12 @@ class World:
         return changed
 
     def _is_lit(self, target: Robot) -> bool:
-        return any(
-            shooter.beam
-            and shooter is not target
-            and shines_on(
-                shooter.pose,
-                target.pose.point,
-                self.floor.walls,
-                [other.pose.point for other in self.robots.values() if other is not shooter and other is not target],
-            )
-            for shooter in self.robots.values()
-        )
+        return any(shooter.beam and self._meets(shooter, target) for shooter in self.robots.values())
+
+    def _meets(self, shooter: Robot, target: Robot) -> bool:
+        """Whether a beam of `shooter` falls on `target`."""
+        others = [robot.pose.point for robot in self.robots.values() if robot is not shooter and robot is not target]
+        return shooter is not target and shines_on(shooter.pose, target.pose.point, self.floor.walls, others)
 
     def _drive(self, robot: Robot, left: float, right: float) -> None:
         others = self._others(robot.name)

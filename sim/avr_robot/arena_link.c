@@ -15,7 +15,9 @@
 #include <unistd.h>
 
 enum {
-	LIGHT_CHANGES = 64,    /* more than these wait in the socket */
+	LIGHT_EVENTS = 256,    /* more than these wait in the socket */
+	EDGES = 256,           /* more than these are lost: an arena that reads nothing */
+	EDGE_LINE_BYTES = 32,
 	LINE_MAX_BYTES = 256,  /* the longest line that makes sense */
 	WHEELS_EVERY_MS = 10,
 	RECONNECT_AFTER_S = 1,
@@ -29,11 +31,13 @@ struct robot_state {
 struct arena_link {
 	struct address arena;
 	char robot[ROBOT_NAME_MAX + 1];
-	int wake; /* eventfd: the beam has changed */
+	int wake; /* eventfd: the beam or the carrier has changed */
 
 	pthread_mutex_t lock; /* guards what follows */
 	struct robot_state state;
-	bool lights[LIGHT_CHANGES]; /* ring */
+	struct carrier_edge edges[EDGES];
+	size_t edges_length;
+	struct light_event lights[LIGHT_EVENTS]; /* ring */
 	size_t lights_start, lights_length;
 };
 
@@ -43,7 +47,6 @@ struct connection {
 	char line[LINE_MAX_BYTES];
 	size_t line_length;
 	struct robot_state told;
-	bool light; /* last change handed on to the robot */
 };
 
 static struct robot_state current_state(struct arena_link *link)
@@ -57,19 +60,16 @@ static struct robot_state current_state(struct arena_link *link)
 static size_t light_room(struct arena_link *link)
 {
 	pthread_mutex_lock(&link->lock);
-	const size_t room = LIGHT_CHANGES - link->lights_length;
+	const size_t room = LIGHT_EVENTS - link->lights_length;
 	pthread_mutex_unlock(&link->lock);
 	return room;
 }
 
-static void change_light(struct arena_link *link, struct connection *connection, bool light)
+static void report_light(struct arena_link *link, struct light_event event)
 {
-	if (light == connection->light)
-		return;
-	connection->light = light;
 	pthread_mutex_lock(&link->lock);
-	if (link->lights_length < LIGHT_CHANGES)
-		link->lights[(link->lights_start + link->lights_length++) % LIGHT_CHANGES] = light;
+	if (link->lights_length < LIGHT_EVENTS)
+		link->lights[(link->lights_start + link->lights_length++) % LIGHT_EVENTS] = event;
 	pthread_mutex_unlock(&link->lock);
 }
 
@@ -95,30 +95,59 @@ static bool tell_beam(struct connection *connection, const struct robot_state *s
 	return tell(connection, state->beam ? "beam 1\n" : "beam 0\n", 7);
 }
 
+static bool tell_edges(struct arena_link *link, const struct connection *connection)
+{
+	char lines[EDGES * EDGE_LINE_BYTES];
+	int length = 0;
+
+	pthread_mutex_lock(&link->lock);
+	for (size_t i = 0; i < link->edges_length; i++)
+		length += snprintf(lines + length, EDGE_LINE_BYTES, "carrier %d %" PRIu64 "\n", link->edges[i].on,
+		                   link->edges[i].cycle);
+	link->edges_length = 0;
+	pthread_mutex_unlock(&link->lock);
+	return length == 0 || tell(connection, lines, length);
+}
+
+static void forget_edges(struct arena_link *link)
+{
+	pthread_mutex_lock(&link->lock);
+	link->edges_length = 0;
+	pthread_mutex_unlock(&link->lock);
+}
+
 static bool say_hello(struct arena_link *link, struct connection *connection)
 {
 	char line[ROBOT_NAME_MAX + 16];
 	const struct robot_state state = current_state(link);
 
+	forget_edges(link);
 	return tell(connection, line, snprintf(line, sizeof line, "robot %s\n", link->robot)) &&
 	       tell_wheels(connection, &state) && tell_beam(connection, &state);
 }
 
-static void obey(struct arena_link *link, struct connection *connection, const char *line)
+static void obey(struct arena_link *link, const char *line)
 {
-	if (strcmp(line, "light 1") == 0)
-		change_light(link, connection, true);
-	else if (strcmp(line, "light 0") == 0)
-		change_light(link, connection, false);
-	else if (strncmp(line, "error ", 6) == 0)
+	struct light_event event = {.kind = LIGHT_CARRIER};
+	char on[2];
+	int end = 0;
+
+	if (sscanf(line, "carrier %u %1[01] %" SCNu64 "%n", &event.source, on, &event.cycle, &end) == 3 && !line[end]) {
+		event.on = on[0] == '1';
+		report_light(link, event);
+	} else if (strcmp(line, "light 1") == 0 || strcmp(line, "light 0") == 0) {
+		report_light(link, (struct light_event){.kind = LIGHT_PLAIN, .on = line[6] == '1'});
+	} else if (strcmp(line, "lamp 1") == 0) {
+		report_light(link, (struct light_event){.kind = LIGHT_LAMP});
+	} else if (strncmp(line, "error ", 6) == 0) {
 		fprintf(stderr, "avr_robot %s: the arena says: %s\n", link->robot, line + 6);
-	/* anything else: from a newer arena, perhaps */
+	} /* anything else: from a newer arena, perhaps */
 }
 
-/* Read whole lines; at most as many bytes as changes of light can be kept. False when the arena has gone. */
+/* Read whole lines; at most as many bytes as events of light can be kept. False when the arena has gone. */
 static bool listen_to_arena(struct arena_link *link, struct connection *connection, size_t room)
 {
-	char bytes[LIGHT_CHANGES];
+	char bytes[LIGHT_EVENTS];
 	const ssize_t length = recv(connection->socket, bytes, room < sizeof bytes ? room : sizeof bytes, MSG_DONTWAIT);
 
 	if (length == 0)
@@ -134,7 +163,7 @@ static bool listen_to_arena(struct arena_link *link, struct connection *connecti
 		}
 		connection->line[connection->line_length] = '\0';
 		connection->line_length = 0;
-		obey(link, connection, connection->line);
+		obey(link, connection->line);
 	}
 	return true;
 }
@@ -163,6 +192,8 @@ static void converse(struct arena_link *link, struct connection *connection)
 		if (events[1].revents && read(link->wake, &beam_changes, sizeof beam_changes) < 0)
 			return;
 		if (events[0].revents && !listen_to_arena(link, connection, room))
+			return;
+		if (!tell_edges(link, connection))
 			return;
 		const struct robot_state state = current_state(link);
 		if (state.beam != connection->told.beam && !tell_beam(connection, &state))
@@ -193,7 +224,7 @@ static void *run(void *param)
 			close(connection.socket);
 			while (light_room(link) == 0)
 				nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
-			change_light(link, &connection, false);
+			report_light(link, (struct light_event){.kind = LIGHT_DARK});
 		} else if (!missing_told) {
 			missing_told = true;
 			fprintf(stderr, "avr_robot %s: no arena at %s:%s (%s); trying every second\n", link->robot,
@@ -236,13 +267,27 @@ void arena_link_publish(struct arena_link *link, int64_t left, int64_t right, bo
 		return; /* the thread looks by itself within 10 ms */
 }
 
-bool arena_link_take_light(struct arena_link *link, bool *light)
+void arena_link_send_edges(struct arena_link *link, const struct carrier_edge *edges, size_t length)
+{
+	const uint64_t one = 1;
+
+	if (length == 0)
+		return;
+	pthread_mutex_lock(&link->lock);
+	for (size_t i = 0; i < length && link->edges_length < EDGES; i++)
+		link->edges[link->edges_length++] = edges[i];
+	pthread_mutex_unlock(&link->lock);
+	if (write(link->wake, &one, sizeof one) < 0)
+		return; /* the thread looks by itself within 10 ms */
+}
+
+bool arena_link_take_light(struct arena_link *link, struct light_event *event)
 {
 	pthread_mutex_lock(&link->lock);
 	const bool any = link->lights_length > 0;
 	if (any) {
-		*light = link->lights[link->lights_start];
-		link->lights_start = (link->lights_start + 1) % LIGHT_CHANGES;
+		*event = link->lights[link->lights_start];
+		link->lights_start = (link->lights_start + 1) % LIGHT_EVENTS;
 		link->lights_length--;
 	}
 	pthread_mutex_unlock(&link->lock);

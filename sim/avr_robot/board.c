@@ -4,19 +4,12 @@
 #include <stdio.h>
 #include <string.h>
 
-#include <simavr/avr_extint.h>
+#include <simavr/avr_adc.h>
 #include <simavr/avr_ioport.h>
 #include <simavr/sim_avr.h>
-#include <simavr/sim_interrupts.h>
-
-DEFINE_FIFO(avr_int_vector_p, avr_int_pending);
 
 enum {
-	SENSOR_PIN = 2,      /* PD2 */
-	EMITTER_PIN = 3,     /* PD3 */
-	RIGHT_SHIFT = 4,     /* PD4..7 */
-	INT0_VECTOR = 1,     /* of the ATmega328P */
-	EMITTER_INT = 1,     /* PD3 is INT1's pin, too */
+	RIGHT_SHIFT = 4,        /* PD4..7 */
 	UNCHECKED_CYCLES = 256, /* simavr looks up from the program at most as late: twice as fast */
 };
 
@@ -45,14 +38,10 @@ static void update_wheel(struct board *board, struct wheel *wheel, uint8_t patte
 static void update_outputs(struct board *board)
 {
 	const struct port *b = &board->port_b, *d = &board->port_d;
-	const bool beam = (d->output & ~d->level) >> EMITTER_PIN & 1;
 
 	update_wheel(board, &board->left, b->level & b->output);
 	update_wheel(board, &board->right, (uint8_t)(d->level & d->output) >> RIGHT_SHIFT);
-	if (beam != board->beam) {
-		board->beam = beam;
-		trace_event(board->trace, board->avr->cycle, "beam %d", beam);
-	}
+	emitter_drive(&board->emitter, d->level, d->output);
 }
 
 static void port_b_level(avr_irq_t *irq, uint32_t value, void *param)
@@ -98,79 +87,14 @@ static avr_irq_t *port_irq(avr_t *avr, char port, int index)
 	return avr_io_getirq(avr, (uint32_t)AVR_IOCTL_IOPORT_GETIRQ(port), index);
 }
 
-static void drive_sensor_pin(struct board *board)
+static void connect_voltages(avr_t *avr, const struct voltages *voltages)
 {
-	/* Without the "external" level simavr takes the pull-up's at every write to the port, even in the dark. */
-	avr_ioport_external_t level = {
-		.name = 'D',
-		.mask = 1u << SENSOR_PIN,
-		.value = board->light ? 0 : 1u << SENSOR_PIN,
-	};
-	avr_ioctl(board->avr, (uint32_t)AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &level);
-	avr_raise_irq(board->sensor_pin, !board->light);
+	avr->vcc = avr->avcc = avr->aref = voltages->supply;
+	avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0), voltages->a0);
 }
 
-/* While its pin is low simavr would look at INT1 in each cycle, ten times the work, though nobody enables it. */
-static void ignore_emitter_interrupt(avr_t *avr)
-{
-	avr_extint_set_strict_lvl_trig(avr, EMITTER_INT, 0);
-}
-
-static bool queued(avr_int_table_t *table, const avr_int_vector_t *vector)
-{
-	const int length = avr_int_pending_get_read_size(&table->pending);
-
-	for (int i = 0; i < length; i++)
-		if (avr_int_pending_read_at(&table->pending, (uint16_t)i) == vector)
-			return true;
-	return false;
-}
-
-/*
- * Two faults of simavr would make the robot miss light. Under a flood of edges INT0 can stay marked as pending though it
- * is not in the queue: deaf for ever. And an edge that comes while INT0 is masked only sets its flag; the real AVR serves
- * it when INT0 is unmasked.
- */
-static void revive_sensor_interrupt(struct board *board)
-{
-	avr_t *avr = board->avr;
-	avr_int_vector_t *vector = board->sensor_interrupt;
-	const bool latched = avr_regbit_get(avr, vector->raised) && avr_regbit_get(avr, vector->enable);
-
-	if ((vector->pending || latched) && !queued(&avr->interrupts, vector)) {
-		avr_clear_interrupt(avr, vector);
-		avr_raise_interrupt(avr, vector);
-	}
-}
-
-/* after the write */
-static void interrupt_mask_written(avr_irq_t *irq, uint32_t value, void *param)
-{
-	(void)irq;
-	(void)value;
-	revive_sensor_interrupt(param);
-}
-
-static avr_int_vector_t *find_interrupt(avr_t *avr, int number)
-{
-	for (int i = 0; i < avr->interrupts.vector_count; i++)
-		if (avr->interrupts.vector[i]->vector == number)
-			return avr->interrupts.vector[i];
-	return NULL;
-}
-
-static void attach_sensor(struct board *board)
-{
-	avr_t *avr = board->avr;
-
-	board->sensor_pin = port_irq(avr, 'D', SENSOR_PIN);
-	board->sensor_interrupt = find_interrupt(avr, INT0_VECTOR);
-	avr_irq_register_notify(avr_iomem_getirq(avr, board->sensor_interrupt->enable.reg, NULL, AVR_IOMEM_IRQ_ALL),
-	                        interrupt_mask_written, board);
-	drive_sensor_pin(board);
-}
-
-bool board_init(struct board *board, const struct firmware_image *image, struct trace *trace)
+bool board_init(struct board *board, const struct firmware_image *image, const struct board_options *options,
+                struct trace *trace)
 {
 	*board = (struct board){.trace = trace, .left = {.name = "left"}, .right = {.name = "right"}};
 	stepper_init(&board->left.stepper);
@@ -193,12 +117,13 @@ bool board_init(struct board *board, const struct firmware_image *image, struct 
 		fputs("avr_robot: this simavr has no UART0\n", stderr);
 		return false;
 	}
+	connect_voltages(avr, &options->voltages);
+	emitter_init(&board->emitter, avr, trace);
+	receiver_init(&board->receiver, avr, options->demodulates, trace);
 	avr_irq_register_notify(port_irq(avr, 'B', IOPORT_IRQ_REG_PORT), port_b_level, board);
 	avr_irq_register_notify(port_irq(avr, 'B', IOPORT_IRQ_DIRECTION_ALL), port_b_output, board);
 	avr_irq_register_notify(port_irq(avr, 'D', IOPORT_IRQ_REG_PORT), port_d_level, board);
 	avr_irq_register_notify(port_irq(avr, 'D', IOPORT_IRQ_DIRECTION_ALL), port_d_output, board);
-	attach_sensor(board);
-	ignore_emitter_interrupt(avr);
 	return true;
 }
 
@@ -208,14 +133,13 @@ static void finish_reset(struct board *board, uint64_t cycle, const char *cause)
 	avr_t *avr = board->avr;
 
 	avr->cycle = cycle; /* newer versions of simavr count from 0 again */
-	ignore_emitter_interrupt(avr);
 	trace_event(board->trace, cycle, "reset %s", cause);
 	for (const char *port = "BD"; *port; port++) {
 		avr_raise_irq(port_irq(avr, *port, IOPORT_IRQ_DIRECTION_ALL), 0);
 		avr_raise_irq(port_irq(avr, *port, IOPORT_IRQ_REG_PORT), 0);
 	}
-	board->sensor_pin->flags |= IRQ_FLAG_INIT; /* the pin's register needs the level, though it has not changed */
-	drive_sensor_pin(board);
+	emitter_reset(&board->emitter);
+	receiver_reset(&board->receiver);
 }
 
 void board_reset(struct board *board)
@@ -245,7 +169,7 @@ bool board_run_until(struct board *board, uint64_t cycle)
 {
 	avr_t *avr = board->avr;
 
-	revive_sensor_interrupt(board);
+	receiver_keep_going(&board->receiver);
 	uart_keep_going(&board->uart);
 	avr->run_cycle_limit = UNCHECKED_CYCLES; /* a reset of the AVR sets it to 1 */
 	while (avr->cycle < cycle) {
@@ -258,13 +182,4 @@ bool board_run_until(struct board *board, uint64_t cycle)
 		}
 	}
 	return true;
-}
-
-void board_set_light(struct board *board, bool light)
-{
-	if (light == board->light)
-		return;
-	board->light = light;
-	trace_event(board->trace, board->avr->cycle, "light %d", light);
-	drive_sensor_pin(board);
 }

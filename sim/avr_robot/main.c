@@ -69,21 +69,48 @@ static void write_line(struct robot *robot)
 	uart_clear_sent(uart);
 }
 
+/* Take what the arena has said: at most one change of plain light, but all edges of carriers, which have times. */
+static void see(struct robot *robot)
+{
+	struct receiver *receiver = &robot->board.receiver;
+	struct light_event event;
+
+	while (arena_link_take_light(robot->arena, &event)) {
+		switch (event.kind) {
+		case LIGHT_DARK: receiver_darken(receiver); return;
+		case LIGHT_PLAIN: receiver_shine(receiver, event.on); return;
+		case LIGHT_LAMP: receiver_light_lamp(receiver); return;
+		case LIGHT_CARRIER:
+			if (event.source < LIGHT_SOURCES)
+				receiver_carrier(receiver, event.source, event.cycle, event.on);
+		}
+	}
+}
+
+static void report(struct robot *robot)
+{
+	struct board *board = &robot->board;
+
+	arena_link_send_edges(robot->arena, board->emitter.edges, board->emitter.edges_length);
+	arena_link_publish(robot->arena, board->left.stepper.position, board->right.stepper.position, board->emitter.plain);
+}
+
 /* One slice of the robot's life; false if the firmware has ended. */
 static bool run_slice(struct robot *robot, uint64_t end)
 {
 	struct board *board = &robot->board;
-	bool alive = true, light;
+	bool alive = true;
 
 	read_line(robot);
 	for (int part = LIGHTS_PER_SLICE - 1; part >= 0 && alive; part--) {
-		if (robot->arena && arena_link_take_light(robot->arena, &light))
-			board_set_light(board, light);
+		if (robot->arena)
+			see(robot);
 		alive = board_run_until(board, end - (uint64_t)part * (SLICE_CYCLES / LIGHTS_PER_SLICE));
 	}
 	write_line(robot);
 	if (robot->arena)
-		arena_link_publish(robot->arena, board->left.stepper.position, board->right.stepper.position, board->beam);
+		report(robot);
+	emitter_clear_edges(&board->emitter);
 	if (end % TICK_CYCLES == 0)
 		trace_event(&robot->trace, end, "tick");
 	trace_flush(&robot->trace);
@@ -131,7 +158,7 @@ int main(int argc, char **argv)
 
 	if (!image || !firmware_image_read(image, options.firmware) ||
 	    (options.bootloader && !bootloader_read(image, options.bootloader)) ||
-	    !board_init(&robot.board, image, &robot.trace))
+	    !board_init(&robot.board, image, &options.board, &robot.trace))
 		return 1;
 	free(image);
 	robot.line = options.tcp ? serial_tcp_open(&options.listen) : serial_pty_open(options.pty_link, options.bootloader);

@@ -9,7 +9,7 @@
 
 static const char usage[] =
 	"usage: avr_robot --firmware ELF --name NAME (--serial PATH | --tcp [HOST:]PORT) [--bootloader HEX]\n"
-	"                 [--arena HOST:PORT] [--trace]\n"
+	"                 [--arena HOST:PORT] [--receiver plain|coded] [--supply MV] [--a0 MV] [--trace]\n"
 	"\n"
 	"A robot's Arduino Uno with its motors, infrared emitter and sensor, running the real firmware in real time.\n"
 	"\n"
@@ -21,6 +21,10 @@ static const char usage[] =
 	"  --bootloader HEX    boot loader in Intel HEX, such as optiboot: the AVR starts in it, and avrdude can write\n"
 	"                      another program through the serial port; that one stays until avr_robot ends\n"
 	"  --arena HOST:PORT   link to the arena that moves the robot and lights its sensor; reconnects for ever\n"
+	"  --receiver KIND     plain = a bare phototransistor, which sees any light, a carrier too (default);\n"
+	"                      coded = a demodulating receiver, which sees nothing but carriers of 38 kHz\n"
+	"  --supply MV         the Uno's supply, 1800 to 5500 mV (default 5000)\n"
+	"  --a0 MV             on the pin A0, such as from a battery's divider, up to 5500 mV (default 0)\n"
 	"  --trace             print hardware events on stdout: <monotonic ns> <AVR cycles> <event>\n"
 	"  --help              this text\n"
 	"\n"
@@ -62,6 +66,26 @@ static struct address parse_address(const char *option, const char *text, const 
 	return address;
 }
 
+static uint32_t parse_voltage(const char *option, const char *text, uint32_t lowest)
+{
+	enum { HIGHEST_MV = 5500, DIGITS = 4 };
+	const size_t length = strlen(text);
+	const bool is_number = length > 0 && length <= DIGITS && strspn(text, "0123456789") == length;
+	const uint32_t millivolts = is_number ? (uint32_t)strtoul(text, NULL, 10) : 0;
+
+	if (!is_number || millivolts < lowest || millivolts > HIGHEST_MV)
+		refuse("%s %s: expected %u to %d mV", option, text, (unsigned)lowest, HIGHEST_MV);
+	return millivolts;
+}
+
+/* Whether it demodulates. */
+static bool parse_receiver(const char *text)
+{
+	if (strcmp(text, "plain") != 0 && strcmp(text, "coded") != 0)
+		refuse("--receiver %s: expected plain or coded", text);
+	return strcmp(text, "coded") == 0;
+}
+
 static void check(const struct options *options)
 {
 	static const char name_characters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_-";
@@ -84,17 +108,14 @@ static void check(const struct options *options)
 struct options options_parse(int argc, char **argv)
 {
 	static const struct option known[] = {
-		{"firmware", required_argument, NULL, 'f'},
-		{"bootloader", required_argument, NULL, 'b'},
-		{"name", required_argument, NULL, 'n'},
-		{"serial", required_argument, NULL, 's'},
-		{"tcp", required_argument, NULL, 't'},
-		{"arena", required_argument, NULL, 'a'},
-		{"trace", no_argument, NULL, 'T'},
-		{"help", no_argument, NULL, 'h'},
-		{NULL, 0, NULL, 0},
+		{"firmware", required_argument, NULL, 'f'}, {"bootloader", required_argument, NULL, 'b'},
+		{"name", required_argument, NULL, 'n'},     {"serial", required_argument, NULL, 's'},
+		{"tcp", required_argument, NULL, 't'},      {"arena", required_argument, NULL, 'a'},
+		{"receiver", required_argument, NULL, 'r'}, {"supply", required_argument, NULL, 'v'},
+		{"a0", required_argument, NULL, '0'},       {"trace", no_argument, NULL, 'T'},
+		{"help", no_argument, NULL, 'h'},           {NULL, 0, NULL, 0},
 	};
-	struct options options = {0};
+	struct options options = {.board = {.voltages = {.supply = 5000}}};
 	int choice;
 
 	opterr = 0; /* our own words, one line */
@@ -112,6 +133,9 @@ struct options options_parse(int argc, char **argv)
 			options.arena = true;
 			options.arena_address = parse_address("--arena", optarg, NULL);
 			break;
+		case 'r': options.board.demodulates = parse_receiver(optarg); break;
+		case 'v': options.board.voltages.supply = parse_voltage("--supply", optarg, 1800); break;
+		case '0': options.board.voltages.a0 = parse_voltage("--a0", optarg, 0); break;
 		case 'T': options.trace = true; break;
 		case 'h': fputs(usage, stdout); exit(0);
 		case ':': refuse("option %s needs a value", argv[optind - 1]);

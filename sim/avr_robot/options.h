@@ -3,12 +3,22 @@
 #define AVR_ROBOT_OPTIONS_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 enum { ROBOT_NAME_MAX = 32 };
 
 struct address {
 	char host[256];
 	char port[6]; /* decimal, checked */
+};
+
+struct voltages {
+	uint32_t supply, a0; /* mV: of the AVR and its ADC; on the pin A0 */
+};
+
+struct board_options {
+	bool demodulates; /* its receiver */
+	struct voltages voltages;
 };
 
 struct options {
@@ -20,6 +30,7 @@ struct options {
 	struct address listen;
 	bool arena;            /* connect to an arena: */
 	struct address arena_address;
+	struct board_options board;
 	bool trace;
 };
 

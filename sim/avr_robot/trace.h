@@ -6,8 +6,10 @@
  *   coil left|right POSITION    a half-step; cumulative, signed
  *   slip left|right             a change of the coils that the motor cannot follow
  *   coils left|right on|off     the motor gets current where it stands; it gets none any more
- *   beam 0|1                    the infrared emitter
- *   light 0|1                   light on the sensor
+ *   beam 0|1                    plain light of the infrared emitter
+ *   carrier 0|1                 its carrier
+ *   light 0|1                   what the receiver sees
+ *   late N                      an edge of a carrier came N cycles too late to be seen in time
  *   uart-in N, uart-out N       bytes that came from the host and go on the line now; that went to the host
  *   uart-drop N                 a byte came faster than the AVR read; N = lost ones since power-on
  *   tick                        every 10 ms: so far the AVR has come

@@ -21,7 +21,8 @@ CHUNK = 4000  # half-steps in one report
 class Arena:
     """`python3 -m sim.arena` on free ports."""
 
-    def __init__(self) -> None:
+    def __init__(self, *options: str) -> None:
+        self._options = options
         self.view_port, self.link_port = free_port(), free_port()
         self.env = {
             "LASERBOT_BIND": HOST,
@@ -32,7 +33,7 @@ class Arena:
         self.start()
 
     def start(self) -> None:
-        self.program = Program.python("sim.arena", env=self.env)
+        self.program = Program.python("sim.arena", *self._options, env=self.env)
         self.program.wait_for("robots connect to port")
 
     @property

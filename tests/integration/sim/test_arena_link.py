@@ -3,6 +3,7 @@
 import math
 import statistics
 import time
+from collections.abc import Callable
 from contextlib import ExitStack
 
 import pytest
@@ -36,6 +37,28 @@ def test_a_beam_is_light_for_the_robot_in_front(arena: Arena) -> None:
         assert target.line() == "light 0"
         assert arena.look()["b1"]["hits"] == 1
         assert arena.look()["a0"]["hits"] == 0
+
+
+def test_edges_of_a_carrier_go_to_the_robot_in_front_and_a_whole_packet_is_a_hit(arena: Arena) -> None:
+    with ExitStack() as stack:
+        shooter, target = two_face_to_face(stack, arena)
+        edges = [(on, 10**9 + 28_800 * mark + 19_200 * (1 - on)) for mark in range(15) for on in (1, 0)]
+        shooter.send(*(f"carrier {on} {cycle}" for on, cycle in edges))
+        assert [target.line() for _ in edges] == [f"carrier 0 {on} {cycle}" for on, cycle in edges]
+        seen = arena.look()
+        assert (seen["a0"]["hits"], seen["b1"]["hits"]) == (0, 1)
+        target.send("carrier 1 5")
+        assert shooter.line() == "carrier 1 1 5"
+
+
+def test_ambient_light_shines_on_all(new_arena: Callable[..., Arena]) -> None:
+    arena = new_arena("--lamp", "--sun", "--remote")
+    with Hardware(arena, "a0") as robot, Hardware(arena, "b1") as other:
+        for hardware in (robot, other):
+            lines = [hardware.line() for _ in range(2 + 68)]
+            assert lines[:2] == ["light 1", "lamp 1"]
+            assert [line.split()[:3] for line in lines[2:]] == [["carrier", "15", "1"], ["carrier", "15", "0"]] * 34
+        assert not arena.look()["a0"]["lit"]
 
 
 @pytest.mark.slow
