@@ -1,5 +1,6 @@
 #include "rosserial/frame.h"
 
+#include "line.h"
 #include "testing.h"
 
 using rosserial::FrameParser;
@@ -44,13 +45,6 @@ void check_only_forward(const std::vector<Received> &frames) {
     CHECK_EQUAL(std::string("01 00 00"), frame.payload);
   }
 }
-
-class Recorder : public rosserial::Port {
- public:
-  size_t room() const override { return 1000; }
-  void write(uint8_t byte) override { sent.push_back(byte); }
-  std::vector<uint8_t> sent;
-};
 
 }  // namespace
 
@@ -134,24 +128,55 @@ TEST(any_noise_is_survived_and_frames_still_found_after_it) {
   }
 }
 
-TEST(a_reset_forgets_half_a_frame) {
+TEST(half_a_frame_is_forgotten_when_the_line_is_silent) {
   FrameParser parser;
   parse("ff fe 10 00 ef 64 00", parser);
-  parser.reset();
+  parser.give_up();
   check_only_forward(parse(FORWARD, parser));
 }
 
+TEST(a_frame_behind_a_valid_header_is_found_at_once) {
+  for (const char *header : {"ff fe 03 00 fc", "ff fe 08 00 f7", "ff fe 10 00 ef"})
+    check_only_forward(parse(std::string(header) + " " + FORWARD));
+}
+
+TEST(a_frame_inside_a_longer_one_that_never_ends_is_found_when_the_line_is_silent) {
+  for (const char *start : {"ff fe 10 00 ef 64", "ff fe 10 00 ef 64 00", "ff fe 10 00 ef ff ff fe 10 00 ef 64 00"}) {
+    FrameParser parser;
+    CHECK(parse(std::string(start) + " " + FORWARD, parser).empty());
+    parser.give_up();
+    CHECK(parser.complete());
+    CHECK_EQUAL(100, parser.topic());
+    parser.pop();
+    CHECK(!parser.complete());
+    check_only_forward(parse(FORWARD, parser));
+  }
+}
+
+TEST(wrong_checksums_and_searches_are_counted) {
+  FrameParser parser;
+  parse(FORWARD + " " + FORWARD, parser);
+  CHECK_EQUAL(0, parser.errors());
+  CHECK_EQUAL(0, parser.resyncs());
+  parse("00 41 42 " + FORWARD, parser);
+  CHECK_EQUAL(0, parser.errors());
+  CHECK_EQUAL(1, parser.resyncs());
+  parse("ff fe 03 00 fc 64 00 01 00 00 9b " + FORWARD, parser);
+  CHECK_EQUAL(1, parser.errors());
+  CHECK_EQUAL(2, parser.resyncs());
+}
+
 TEST(a_hit_is_written_as_rosserial_frames_it) {
-  Recorder port;
-  FrameWriter(port, 125, 0).end();
-  CHECK_EQUAL(std::string("ff fe 00 00 ff 7d 00 82"), hex(port.sent));
+  line = Line();
+  FrameWriter(125, 0).end();
+  CHECK_EQUAL(std::string("ff fe 00 00 ff 7d 00 82"), line.take());
 }
 
 TEST(numbers_are_little_endian_and_strings_have_their_length_first) {
-  Recorder port;
-  FrameWriter frame(port, 0x0201, 10);
+  line = Line();
+  FrameWriter frame(0x0201, 10);
   frame.u32(0x04030201);
   frame.string("hi");
   frame.end();
-  CHECK_EQUAL(std::string("ff fe 0a 00 f5 01 02 01 02 03 04 02 00 00 00 68 69 1f"), hex(port.sent));
+  CHECK_EQUAL(std::string("ff fe 0a 00 f5 01 02 01 02 03 04 02 00 00 00 68 69 1f"), line.take());
 }

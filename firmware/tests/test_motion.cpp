@@ -116,13 +116,69 @@ TEST(half_steps_energise_the_coils_in_the_order_of_half4wire) {
   }
 }
 
-TEST(one_command_makes_320_half_steps_and_ends) {
+TEST(one_command_makes_306_half_steps_and_ends) {
   Rig rig;
   rig.command(1, 0);
   rig.run_ms(1000);
-  CHECK_EQUAL(-320, rig.left.position);
-  CHECK_EQUAL(320, rig.right.position);
+  CHECK_EQUAL(-306, rig.left.position);
+  CHECK_EQUAL(306, rig.right.position);
   CHECK(rig.right.last_step <= 320 * TICKS_PER_SECOND / 1000);
+}
+
+TEST(a_movement_makes_no_more_half_steps_than_it_says) {
+  Stepper stepper;
+  stepper.move(WheelMovement{40, Speed::FULL});
+  int steps = 0;
+  for (int tick = 0; tick < 5120; ++tick) steps += stepper.tick() && stepper.coils() != 0;
+  CHECK_EQUAL(40, steps);
+}
+
+TEST(a_motor_starts_slowly_and_is_at_full_speed_within_100_ms) {
+  Rig rig;
+  rig.command(1, 0);
+  rig.run_ms(20);
+  CHECK(rig.right.shortest >= 8);  // 640 half-steps/s
+  rig.run_ms(80);
+  const int at_100_ms = rig.right.position;
+  rig.command(1, 0);
+  rig.run_ticks(512);
+  const int faster = rig.right.position - at_100_ms;
+  CHECK(faster == 102 || faster == 103);  // 1024/s for 0.1 s
+}
+
+TEST(the_speed_never_grows_faster_than_the_ramp) {
+  Rig rig;
+  uint32_t last = 0;
+  uint32_t interval = 10;
+  rig.command(1, 0);
+  for (int tick = 0; tick < 1000; ++tick) {
+    const int before = rig.right.position;
+    rig.run_ticks(1);
+    if (rig.right.position == before) continue;
+    if (last != 0) {
+      CHECK(rig.now - last + 2 >= interval);
+      interval = rig.now - last;
+    }
+    last = rig.now;
+  }
+  CHECK_EQUAL(5u, interval);
+}
+
+TEST(a_motor_stands_for_10_ms_before_it_turns_round_and_starts_slowly_again) {
+  Rig rig;
+  rig.command(1, 0);
+  rig.run_ms(250);
+  rig.command(1, 0);
+  rig.run_ms(50);
+  const int top = rig.right.position;
+  const uint32_t turned = rig.right.last_step;
+  rig.command(-1, 0);
+  while (rig.right.position == top) rig.run_ticks(1);
+  CHECK_EQUAL(top - 1, rig.right.position);
+  CHECK_EQUAL(turned + 51, rig.now);
+  rig.right.shortest = UINT32_MAX;
+  rig.run_ms(20);
+  CHECK(rig.right.shortest >= 8);
 }
 
 TEST(a_movement_starts_with_the_next_tick) {
@@ -135,13 +191,14 @@ TEST(a_movement_starts_with_the_next_tick) {
   rig.run_ms(1000);
   rig.command(0, -1);
   rig.run_ticks(1);
-  CHECK_EQUAL(-319, rig.left.position);
-  CHECK_EQUAL(-319, rig.right.position);
+  CHECK_EQUAL(-305, rig.left.position);
+  CHECK_EQUAL(-305, rig.right.position);
 }
 
 TEST(with_40_commands_a_second_both_motors_make_1024_half_steps_a_second) {
   Rig rig;
-  for (int command = 0; command < 40 * 10; ++command) {
+  for (int command = 0; command < 40 * 11; ++command) {
+    if (command == 40) rig.left.position = rig.right.position = 0;  // it has got up its speed
     rig.command(1, 0);
     rig.run_ticks(TICKS_PER_SECOND / 40);
   }
@@ -154,11 +211,11 @@ TEST(the_scaled_wheel_makes_7168_half_steps_in_10_s) {
   for (int8_t linear_x : {1, -1}) {
     for (int8_t angular_z : {1, -1}) {
       Rig rig;
-      for (int command = 0; command < 40 * 10; ++command) {
+      for (int command = 0; command < 40 * 11; ++command) {
+        if (command == 40) rig.left.position = rig.right.position = 0;  // it has got up its speed
         rig.command(linear_x, angular_z);
         rig.run_ticks(TICKS_PER_SECOND / 40);
       }
-      // The first half-step needs no waiting, so the count may be ahead of the time by one.
       const int slow = abs(angular_z == 1 ? rig.right.position : rig.left.position);
       CHECK(slow == 7168 || slow == 7169);
       CHECK_EQUAL(10240, abs(angular_z == 1 ? rig.left.position : rig.right.position));
@@ -174,8 +231,8 @@ TEST(however_commands_follow_each_other_half_steps_are_never_too_close) {
     rig.command(static_cast<int8_t>((random >> 20) % 3) - 1, static_cast<int8_t>((random >> 24) % 3) - 1);
     rig.run_ticks((random >> 28) + 1);
   }
-  CHECK_EQUAL(5u, rig.left.shortest);
-  CHECK_EQUAL(5u, rig.right.shortest);
+  CHECK(rig.left.shortest >= 5);
+  CHECK(rig.right.shortest >= 5);
   CHECK_EQUAL(0, rig.left.slips);
   CHECK_EQUAL(0, rig.right.slips);
 }
@@ -187,7 +244,7 @@ TEST(neutral_stops_at_once) {
     rig.run_ms(100);
     const int left = rig.left.position;
     const int right = rig.right.position;
-    CHECK(right > 90);
+    CHECK(right > 75);
     rig.command(linear_x, 0);
     rig.run_ms(1000);
     CHECK_EQUAL(left, rig.left.position);
@@ -202,7 +259,7 @@ TEST(a_command_replaces_the_one_before) {
   const int right = rig.right.position;
   rig.command(-1, 0);
   rig.run_ms(1000);
-  CHECK_EQUAL(right - 320, rig.right.position);
+  CHECK_EQUAL(right - 297, rig.right.position);  // 10 ms to turn round
 }
 
 TEST(both_motors_stand_320_ms_after_the_last_command) {
@@ -226,8 +283,8 @@ TEST(the_scaled_wheel_is_cut_off_by_the_dead_man) {
   Rig rig;
   rig.command(1, 1);
   rig.run_ms(1000);
-  CHECK_EQUAL(-320, rig.left.position);
-  CHECK_EQUAL(230, rig.right.position);  // 716.8/s * 0.32 s, the first one at once
+  CHECK_EQUAL(-306, rig.left.position);
+  CHECK_EQUAL(226, rig.right.position);  // 716.8/s * 0.32 s, but for its start
 }
 
 TEST(coils_are_held_a_while_and_then_switched_off) {

@@ -3,7 +3,7 @@
 #include "testing.h"
 
 TEST(bytes_leave_a_ring_buffer_in_their_order) {
-  RingBuffer<16> ring;
+  RingBuffer<uint8_t, 16> ring;
   uint8_t in = 0;
   uint8_t out = 0;
   for (int round = 0; round < 100; ++round) {
@@ -15,7 +15,7 @@ TEST(bytes_leave_a_ring_buffer_in_their_order) {
 
 template <uint16_t SIZE>
 static void check_capacity() {
-  RingBuffer<SIZE> ring;
+  RingBuffer<uint8_t, SIZE> ring;
   for (unsigned offset = 0; offset < 2u * SIZE; ++offset) {
     CHECK(ring.empty());
     CHECK_EQUAL(SIZE - 1u, ring.room());

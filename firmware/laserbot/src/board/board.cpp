@@ -1,61 +1,74 @@
 // Pin            port       use
-// 2              PD2, INT0  light sensor, low = light (pull-up on)
-// 3              PD3        laser, low = on
+// 2              PD2, INT0  light sensor: light.cpp
+// 3              PD3, OC2B  emitter: light.cpp
 // 4, 5, 6, 7     PD4..PD7   right motor, IN1..IN4
 // 8, 9, 10, 11   PB0..PB3   left motor, IN1..IN4
+// 13             PB5        LED
+// A0             PC0        battery: analog.cpp
 //
-// Timer 0 belongs to the core (millis), timer 1 makes the motors' tick.
+// Timer 0 belongs to the core (millis). Timer 1 counts CPU cycles; compare A makes the motors' tick, compare B the marks
+// and spaces of a shot. Timer 2 makes the carrier.
 #include "board.h"
 
 #include <avr/interrupt.h>
 #include <avr/io.h>
+#include <avr/sleep.h>
 #include <util/atomic.h>
 
 #include "../motion/drive.h"
+#include "light.h"
+#include "ticks.h"
+#include "watchdog.h"
 
 namespace {
 
-constexpr uint8_t SENSOR = _BV(PD2);
-constexpr uint8_t LASER = _BV(PD3);
 constexpr uint8_t LEFT_COILS = 0x0f;   // of port B
 constexpr uint8_t RIGHT_COILS = 0xf0;  // of port D
+constexpr uint8_t LED = _BV(PB5);
 
 constexpr uint16_t TICK_CYCLES = F_CPU / TICKS_PER_SECOND;
 static_assert(F_CPU % TICKS_PER_SECOND == 0, "the tick must be exact, or the motors' speed is not");
 
+// Turns of the loop without a tick that are too many. Each interrupt makes one; there are some 7 a tick at most.
+constexpr uint8_t TURNS_WITHOUT_TICK = 200;
+
 Drive motors;
-volatile bool light_edge = false;
+uint8_t turns = 0;  // of the loop since the last tick that it has seen
+uint8_t tick_seen = 0;
 
 }  // namespace
 
+namespace board {
+volatile uint32_t tick_time = 0;
+}  // namespace board
+
 ISR(TIMER1_COMPA_vect) {
+  const uint32_t time = board::tick_time + TICK_CYCLES;
+  board::tick_time = time;
+  OCR1A = static_cast<uint16_t>(time) + TICK_CYCLES;
   if (motors.tick()) {
     PORTB = (PORTB & ~LEFT_COILS) | motors.left_coils();
     PORTD = (PORTD & ~RIGHT_COILS) | motors.right_coils() << 4;
   }
-  EIMSK |= _BV(INT0);
-}
-
-// INT0 comes before every other interrupt: a sensor that oscillates could stop the motors' tick and the UART for ever.
-// So it is masked until the next tick; an edge meanwhile is latched by the hardware and served then.
-ISR(INT0_vect) {
-  light_edge = true;
-  EIMSK &= ~_BV(INT0);
+  watchdog::tick();
+  light::tick();
 }
 
 namespace board {
 
 void begin() {
-  PORTD |= LASER | SENSOR;  // the laser's pin has to be high before it becomes an output
-  DDRD = (DDRD & ~SENSOR) | LASER | RIGHT_COILS;
-  DDRB |= LEFT_COILS;
+  PORTB &= ~(LEFT_COILS | LED);
+  PORTD &= ~RIGHT_COILS;
+  DDRD |= RIGHT_COILS;
+  DDRB |= LEFT_COILS | LED;
 
-  EICRA = _BV(ISC01);  // falling edge
   TCCR1A = 0;
-  TCCR1B = _BV(WGM12) | _BV(CS10);  // count to OCR1A at the CPU's clock
+  TCCR1B = _BV(CS10);  // free, at the CPU's clock
   TCNT1 = 0;
-  OCR1A = TICK_CYCLES - 1;
+  OCR1A = TICK_CYCLES;
+  TIFR1 = _BV(OCF1A) | _BV(OCF1B);
   TIMSK1 = _BV(OCIE1A);
+  set_sleep_mode(SLEEP_MODE_IDLE);
 }
 
 void drive(const Movement &movement) {
@@ -63,20 +76,35 @@ void drive(const Movement &movement) {
 }
 
 // Single-instruction writes (sbi, cbi): the tick writes the other bits of this port.
-void laser(bool on) {
+void led(bool on) {
   if (on) {
-    PORTD &= ~LASER;
+    PORTB |= LED;
   } else {
-    PORTD |= LASER;
+    PORTB &= ~LED;
   }
 }
 
-bool take_light_edge() {
-  if (!light_edge) return false;
-  light_edge = false;
-  return true;
+uint32_t cycles() {
+  uint32_t now = 0;
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { now = cycles_in_interrupt(); }
+  return now;
 }
 
-bool light() { return (PIND & SENSOR) == 0; }
+bool sound() {
+  const uint8_t tick = tick_time;
+  if (tick != tick_seen) turns = 0;
+  tick_seen = tick;
+  return ++turns < TURNS_WITHOUT_TICK && (SREG & _BV(SREG_I)) && TCCR1A == 0 && TCCR1B == _BV(CS10) &&
+         (TIMSK1 & ~_BV(OCIE1B)) == _BV(OCIE1A) && (DDRB & (LEFT_COILS | LED)) == (LEFT_COILS | LED) &&
+         (DDRD & RIGHT_COILS) == RIGHT_COILS && TIMSK0 == _BV(TOIE0) && TCCR0A == (_BV(WGM01) | _BV(WGM00)) &&
+         TCCR0B == (_BV(CS01) | _BV(CS00));
+}
+
+void shut_down() {
+  cli();
+  PORTB &= ~LEFT_COILS;
+  PORTD &= ~RIGHT_COILS;
+  light::emit(false);
+}
 
 }  // namespace board

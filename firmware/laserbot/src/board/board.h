@@ -1,22 +1,27 @@
-// The robot's hardware on an Arduino Uno: motors, laser and light sensor. All pins and timers are in board.cpp.
+// The robot's motors and LED on an Arduino Uno, and the clock of all that is finer than a millisecond.
 #pragma once
+
+#include <stdint.h>
 
 #include "../motion/movement.h"
 
 namespace board {
 
-// Makes the pins safe (laser off, coils off), then starts the interrupts.
+// Makes the pins safe (coils off), then starts the motors' tick.
 void begin();
 
 // Replaces the target of both motors. They run by interrupt, and stop by interrupt 320 ms after the last call.
 void drive(const Movement &movement);
 
-void laser(bool on);
+void led(bool on);
 
-// Whether light has begun to fall on the sensor since the last call.
-bool take_light_edge();
+// CPU cycles since the start, 16 a microsecond; wraps after 268 s.
+uint32_t cycles();
 
-// Whether light falls on the sensor now.
-bool light();
+// Whether the registers are as begin() has left them and the tick comes; to be called in each turn of the loop.
+bool sound();
+
+// At once: coils and light off, no more interrupts.
+void shut_down();
 
 }  // namespace board

@@ -1,35 +1,52 @@
-// The laser: one pulse of light for each shot.
+// When to shoot: the light of one shot, then darkness until the cooldown has passed.
 #pragma once
 
 #include <stdint.h>
 
-constexpr uint32_t PULSE_MS = 500;
+#include "../setup_msg.h"
+#include "packet.h"
 
-// Darkness between two pulses. Commands to shoot come every 25 ms: without it the light would be back at once, and a
-// receiver would take two pulses for a long one. A shot that comes within the gap is fired at its end.
+constexpr uint32_t PULSE_MS = 500;  // of plain light
+
+// Darkness between two shots, at least. Commands to shoot come every 25 ms: without it the plain light would be back at
+// once, and a receiver would take two pulses for a long one. A shot that comes so shortly before its time is fired then.
 constexpr uint32_t GAP_MS = 50;
+
+struct ShotTimes {
+  explicit ShotTimes(const Setup &setup)
+      : length(setup.mode == CODED ? PACKET_MS : PULSE_MS),
+        period(setup.cooldown > length + GAP_MS ? setup.cooldown : length + GAP_MS) {}
+  uint32_t length;  // ms of light
+  uint32_t period;  // ms from the start of a shot to the next, at least
+};
 
 class Emitter {
  public:
-  // Ignored while the light is on.
-  void shoot() { wanted_ = wanted_ || !lit_; }
+  // `now` in ms, may wrap. Ignored while the last shot cools down.
+  void shoot(const ShotTimes &times, uint32_t now) {
+    wanted_ = wanted_ || !cooling_ || now - started_ >= times.period - GAP_MS;
+  }
 
-  // Returns whether the light has to be on; `now` in ms, may wrap.
-  bool update(uint32_t now) {
-    if (lit_ && now - changed_ >= PULSE_MS) {
-      lit_ = false;
-      changed_ = now;
-    }
-    if (wanted_ && now - changed_ >= GAP_MS) {
+  // Returns whether this is within the light of a shot.
+  bool update(const ShotTimes &times, uint32_t now) {
+    const uint32_t since = now - started_;
+    if (since >= times.length) lit_ = false;
+    if (since >= times.period) cooling_ = false;
+    if (wanted_ && !cooling_) {
       wanted_ = false;
+      cooling_ = true;
       lit_ = true;
-      changed_ = now;
+      started_ = now;
     }
     return lit_;
   }
 
+  // The light goes out, and nothing is left to be fired.
+  void stop() { lit_ = wanted_ = false; }
+
  private:
+  uint32_t started_ = 0;
+  bool cooling_ = false;
   bool lit_ = false;
   bool wanted_ = false;
-  uint32_t changed_ = 0 - GAP_MS;
 };

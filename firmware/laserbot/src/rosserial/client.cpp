@@ -2,6 +2,9 @@
 
 #include <string.h>
 
+#include "../flash.h"
+#include "port.h"
+
 namespace rosserial {
 
 namespace {
@@ -20,80 +23,153 @@ constexpr uint32_t FRAME_SILENCE_MS = 20;
 constexpr uint32_t TIME_REQUEST_MS = 2500;
 constexpr uint32_t TIME_ANSWER_MS = 11000;
 
+// So many questions are asked in TIME_ANSWER_MS. The clock alone does not end a connection: one wrong bit in it would.
+constexpr uint8_t UNANSWERED_MAX = 4;
+
+// A host that does not know a topic's type asks for the topics again when a message comes on it (upstream's
+// rosserial_python). After the second time that topic is left out, so that the host's log and the line stay free.
+constexpr uint32_t REFUSAL_MS = 200;
+constexpr uint8_t REFUSALS = 2;
+
 uint16_t topic_info_length(const Topic &topic) {
-  return 2 + 4 + strlen(topic.name) + 4 + strlen(topic.type) + 4 + strlen(topic.md5) + 4;
+  return 2 + 4 + strlen_P(topic.name) + 4 + strlen_P(topic.type) + 4 + strlen_P(topic.md5) + 4;
 }
+
+bool has_room(size_t payload) { return port::room() >= FRAME_OVERHEAD + payload; }
 
 }  // namespace
 
-void Client::receive(uint8_t byte, uint32_t now) {
-  if (now - last_byte_ > FRAME_SILENCE_MS) parser_.reset();
-  last_byte_ = now;
+void Client::receive(uint8_t byte, const Now &now) {
+  if (now.ms - last_byte_ > FRAME_SILENCE_MS) parser_.give_up();
+  last_byte_ = now.ms;
   parser_.push(byte);
+}
+
+bool Client::message(const Now &now) {
+  if (delivered_) parser_.pop();
+  delivered_ = false;
+  if (now.ms - last_byte_ > FRAME_SILENCE_MS) parser_.give_up();
   while (parser_.complete()) {
+    if (parser_.topic() >= COMMAND) {
+      delivered_ = true;
+      return true;
+    }
     handle(parser_.topic(), now);
     parser_.pop();
   }
+  return false;
 }
 
-void Client::handle(uint16_t topic, uint32_t now) {
+void Client::handle(uint16_t topic, const Now &now) {
   if (topic == ID_PUBLISHER) {
-    topics_requested_ = true;
+    topics_requested(now);
   } else if (topic == ID_TIME) {
-    last_time_answer_ = now;
+    time_answered(now);
   } else if (topic == ID_TX_STOP) {
     disconnect();
-  } else if (topic == subscribed_.id) {
-    handler_(parser_.payload(), parser_.length());
   }
 }
 
-void Client::spin(uint32_t now) {
-  if (configured_ && now - last_time_answer_ > TIME_ANSWER_MS) disconnect();
-  if (topics_requested_) negotiate(now);
-  if (!configured_) return;
-  if (now - last_time_request_ >= TIME_REQUEST_MS) request_time(now);
-  while (unsent_ > 0 && port_.room() >= FRAME_OVERHEAD) {
-    FrameWriter(port_, published_.id, 0).end();
-    --unsent_;
+void Client::topics_requested(const Now &now) {
+  telling_ = 0;
+  if (configured_ && now.ms - last_board_ < REFUSAL_MS && board_refused_ < REFUSALS) ++board_refused_;
+}
+
+void Client::time_answered(const Now &now) {
+  const uint32_t took = now.us - time_requested_us_;
+  if (unanswered_ == 1) round_trip_ = took < UINT16_MAX ? took : UINT16_MAX;
+  unanswered_ = 0;
+  last_time_answer_ = now.ms;
+}
+
+void Client::spin(const Now &now) {
+  if (configured_ && unanswered_ >= UNANSWERED_MAX && now.ms - last_time_answer_ > TIME_ANSWER_MS) disconnect();
+  if (telling_ != NOTHING) tell(now);
+  if (!configured_ || telling_ != NOTHING) return;
+  if (now.ms - last_time_request_ >= TIME_REQUEST_MS) request_time(now);
+  while (responses_ > 0 && has_room(0)) {
+    FrameWriter(RESPONSE, 0).end();
+    --responses_;
+  }
+  send_hits();
+}
+
+void Client::send_hits() {
+  if (hits_waiting_ > HITS) hits_waiting_ = 0;  // never but for a disturbed RAM
+  while (hits_waiting_ > 0 && has_room(HIT_LENGTH)) {
+    FrameWriter frame(HIT, HIT_LENGTH);
+    frame.u8(hits_[0].shooter);
+    frame.u8(hits_[0].team);
+    frame.u8(hits_[0].damage);
+    frame.end();
+    --hits_waiting_;
+    memmove(hits_, hits_ + 1, hits_waiting_ * sizeof hits_[0]);
   }
 }
 
-void Client::publish_empty() {
-  if (configured_ && unsent_ < UINT8_MAX) ++unsent_;
+void Client::publish_response() {
+  if (configured_ && responses_ < UINT8_MAX) ++responses_;
+}
+
+void Client::publish_hit(const Hit &hit) {
+  if (configured_ && hits_waiting_ < HITS) hits_[hits_waiting_++] = hit;
+}
+
+bool Client::publish_board(const BoardHealth &health, const Now &now) {
+  if (!configured_ || telling_ != NOTHING || board_refused_ >= REFUSALS || !has_room(BOARD_HEALTH_LENGTH)) return false;
+  FrameWriter frame(BOARD, BOARD_HEALTH_LENGTH);
+  write(frame, health);
+  frame.end();
+  last_board_ = now.ms;
+  return true;
 }
 
 void Client::disconnect() {
-  topics_requested_ = false;
+  telling_ = NOTHING;
   configured_ = false;
-  unsent_ = 0;
+  responses_ = 0;
+  hits_waiting_ = 0;
 }
 
-// All frames of the answer at once or, while the UART is busy, none yet. More requests meanwhile get the same answer.
-void Client::negotiate(uint32_t now) {
-  const size_t answer = FRAME_OVERHEAD + TIME_LENGTH + FRAME_OVERHEAD + topic_info_length(published_) + FRAME_OVERHEAD +
-                        topic_info_length(subscribed_);
-  if (port_.room() < answer) return;
-  request_time(now);
-  send_topic_info(ID_PUBLISHER, published_);
-  send_topic_info(ID_SUBSCRIBER, subscribed_);
-  topics_requested_ = false;
+// The first part of the answer at once or, while the UART is busy, not yet: a question for the time and the two topics
+// of the tech manual, as ever. The other topics follow one by one: all of them do not fit into the UART's buffer.
+void Client::tell(const Now &now) {
+  if (telling_ == 0) {
+    const Topic first = topic_at(0), second = topic_at(1);
+    const size_t answer = FRAME_OVERHEAD + TIME_LENGTH + FRAME_OVERHEAD + topic_info_length(first) + FRAME_OVERHEAD +
+                          topic_info_length(second);
+    if (port::room() < answer) return;
+    unanswered_ = 0;
+    last_time_answer_ = now.ms;
+    request_time(now);
+    send_topic_info(first);
+    send_topic_info(second);
+    telling_ = 2;
+  }
+  while (telling_ < TOPICS) {
+    const Topic next = topic_at(telling_);
+    if (!has_room(topic_info_length(next))) return;
+    send_topic_info(next);
+    ++telling_;
+  }
+  telling_ = NOTHING;
   configured_ = true;
-  last_time_answer_ = now;
 }
 
-void Client::request_time(uint32_t now) {
-  if (port_.room() < FRAME_OVERHEAD + TIME_LENGTH) return;
-  FrameWriter frame(port_, ID_TIME, TIME_LENGTH);
+void Client::request_time(const Now &now) {
+  if (!has_room(TIME_LENGTH)) return;
+  FrameWriter frame(ID_TIME, TIME_LENGTH);
   frame.u32(0);
   frame.u32(0);
   frame.end();
-  last_time_request_ = now;
+  last_time_request_ = now.ms;
+  time_requested_us_ = now.us;
+  if (unanswered_ < UINT8_MAX) ++unanswered_;
 }
 
 // rosserial_msgs/TopicInfo
-void Client::send_topic_info(uint16_t kind, const Topic &topic) {
-  FrameWriter frame(port_, kind, topic_info_length(topic));
+void Client::send_topic_info(const Topic &topic) {
+  FrameWriter frame(topic.published() ? ID_PUBLISHER : ID_SUBSCRIBER, topic_info_length(topic));
   frame.u16(topic.id);
   frame.string(topic.name);
   frame.string(topic.type);

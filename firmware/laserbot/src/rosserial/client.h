@@ -1,59 +1,84 @@
-// The device's side of the rosserial connection: negotiation of the topics, time sync, one published and one subscribed
-// topic.
+// The device's side of the rosserial connection: negotiation of the topics, time sync, messages both ways.
 #pragma once
 
+#include "../board_health_msg.h"
+#include "../hit_msg.h"
 #include "frame.h"
+#include "topics.h"
 
 namespace rosserial {
 
-struct Topic {
-  uint16_t id;  // subscribers from 100, publishers from 125, as ros_lib numbers them on an ATmega328P
-  const char *name;
-  const char *type;
-  const char *md5;
+// A moment; both clocks may wrap.
+struct Now {
+  Now(uint32_t ms, uint32_t us) : ms(ms), us(us) {}
+  Now(uint32_t ms) : ms(ms), us(ms * 1000) {}  // for those who need no more
+  uint32_t ms;
+  uint32_t us;
 };
-
-// Called with the payload of each message on the subscribed topic, whether the topics have been negotiated or not:
-// after a reset in mid-battle the robot obeys again at once, as with ros_lib.
-typedef void (*Handler)(const uint8_t *payload, uint16_t length);
 
 class Client {
  public:
-  Client(Port &port, const Topic &published, const Topic &subscribed, Handler handler)
-      : port_(port), published_(published), subscribed_(subscribed), handler_(handler) {}
+  // Takes one byte from the host; message() has to be called until it is false before the next byte.
+  void receive(uint8_t byte, const Now &now);
 
-  // Takes one byte from the host; `now` in ms, may wrap.
-  void receive(uint8_t byte, uint32_t now);
+  // Whether a message of the host is at hand, each time the next one: topic(), payload() and length() describe it. They
+  // come whether the topics have been negotiated or not: after a reset in mid-battle the robot obeys again at once, as
+  // with ros_lib.
+  bool message(const Now &now);
+  uint16_t topic() const { return parser_.topic(); }
+  const uint8_t *payload() const { return parser_.payload(); }
+  uint16_t length() const { return parser_.length(); }
 
   // Does what is due: answers a topic request, asks for the time, sends waiting messages. Never waits for the UART.
-  void spin(uint32_t now);
+  void spin(const Now &now);
 
-  // Publishes one std_msgs/Empty. It waits for room in the UART if need be. Without a host that knows the topic it is
-  // dropped: a hit from before the connection came up would count in a battle that it does not belong to.
-  void publish_empty();
+  // Tells the topics though the host has not asked: it may not know that the device has started again.
+  void announce() { telling_ = 0; }
+
+  // Publishes on `response` and `hit`. A message waits for room in the UART if need be. Without a host that knows the
+  // topics it is dropped: a hit from before the connection came up would count in a battle that it does not belong to.
+  void publish_response();
+  void publish_hit(const Hit &hit);
+
+  // Publishes on `board`, if the host knows the topic and there is room; returns whether.
+  bool publish_board(const BoardHealth &health, const Now &now);
 
   // Whether the host has asked for the topics and still answers.
   bool configured() const { return configured_; }
 
- private:
-  void handle(uint16_t topic, uint32_t now);
-  void disconnect();
-  void negotiate(uint32_t now);
-  void request_time(uint32_t now);
-  void send_topic_info(uint16_t kind, const Topic &topic);
+  // us from the last question for the time to its answer; 0: none yet.
+  uint16_t round_trip() const { return round_trip_; }
 
-  Port &port_;
-  const Topic published_;
-  const Topic subscribed_;
-  const Handler handler_;
+  const FrameParser &parser() const { return parser_; }
+
+ private:
+  void handle(uint16_t topic, const Now &now);
+  void topics_requested(const Now &now);
+  void time_answered(const Now &now);
+  void disconnect();
+  void tell(const Now &now);
+  void request_time(const Now &now);
+  void send_topic_info(const Topic &topic);
+  void send_hits();
+
+  static constexpr uint8_t NOTHING = 0xff;
+  static constexpr uint8_t HITS = 8;  // more cannot come in the 0.1 s that an answer to a topic request takes
 
   FrameParser parser_;
+  bool delivered_ = false;  // the frame at hand has been given to the program
   uint32_t last_byte_ = 0;
   uint32_t last_time_request_ = 0;
+  uint32_t time_requested_us_ = 0;
   uint32_t last_time_answer_ = 0;
-  bool topics_requested_ = false;
+  uint32_t last_board_ = 0;
+  uint16_t round_trip_ = 0;
+  uint8_t unanswered_ = 0;       // questions for the time
+  uint8_t board_refused_ = 0;    // times that the host asked for the topics right after a message on `board`
+  uint8_t telling_ = NOTHING;    // index of the topic that is told next
   bool configured_ = false;
-  uint8_t unsent_ = 0;
+  uint8_t responses_ = 0;
+  uint8_t hits_waiting_ = 0;
+  Hit hits_[HITS];
 };
 
 }  // namespace rosserial

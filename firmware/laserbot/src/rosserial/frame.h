@@ -16,28 +16,19 @@ constexpr size_t FRAME_OVERHEAD = 8;
 // so that one broken length cannot swallow the commands behind it.
 constexpr size_t MAX_PAYLOAD = 16;
 
-// Where frames go to. A writer checks room() for the whole frame first: a frame is sent entirely or not at all.
-class Port {
- public:
-  // Bytes that can be written now without waiting.
-  virtual size_t room() const = 0;
-  virtual void write(uint8_t byte) = 0;
-};
-
 // Writes one frame byte by byte, so that no second buffer of a frame's size is needed.
 class FrameWriter {
  public:
   // Starts a frame of `length` payload bytes; exactly so many must follow before end().
-  FrameWriter(Port &port, uint16_t topic, uint16_t length);
+  FrameWriter(uint16_t topic, uint16_t length);
   void u8(uint8_t value);
   void u16(uint16_t value);
   void u32(uint32_t value);
-  // A ROS string: u32 length, then the characters without a terminator.
+  // A ROS string: u32 length, then the characters without a terminator; `text` is in the flash.
   void string(const char *text);
   void end();
 
  private:
-  Port &port_;
   uint8_t sum_;
 };
 
@@ -50,19 +41,26 @@ class FrameParser {
   // Whether a whole frame with right checksums is at hand; topic(), length() and payload() describe it until pop().
   bool complete() const;
   void pop();
-  // Forgets a frame that never got its end.
-  void reset() { used_ = 0; }
+  // The line is silent: a frame that is not whole by now never will be. A whole one behind its start is found.
+  void give_up();
 
   uint16_t topic() const;
   uint16_t length() const;
   const uint8_t *payload() const;
+
+  // Frames with a wrong checksum, and times that the start of a frame had to be searched, since the start.
+  uint16_t errors() const { return errors_; }
+  uint16_t resyncs() const { return resyncs_; }
 
  private:
   void drop(size_t count);
   void align();
 
   uint8_t bytes_[FRAME_OVERHEAD + MAX_PAYLOAD];
-  size_t used_ = 0;
+  uint8_t used_ = 0;
+  bool searching_ = false;
+  uint16_t errors_ = 0;
+  uint16_t resyncs_ = 0;
 };
 
 }  // namespace rosserial
