@@ -11,13 +11,13 @@ from pathlib import Path
 
 import pytest
 
+from laser_bot_battle.msg import BoardHealth, Hit, Robot_msg, Setup
 from tests.support.avr import (
     CYCLES_PER_SECOND,
     HIT,
     RESPONSE_ID,
     TIME_ID,
     Arena,
-    ArenaLink,
     AvrRobot,
     Frame,
     SerialHost,
@@ -25,59 +25,12 @@ from tests.support.avr import (
     command,
     frame,
 )
+from tests.support.firmware_bench import Bench, bench_in
 from tests.support.polling import until
 
 FULL = 1024.0  # half-steps/s
 SCALED = 716.8
 STOP_WITHIN = 0.350 * CYCLES_PER_SECOND
-
-
-class Bench:
-    """A robot on the test bench: its serial cable and its arena in our hands."""
-
-    def __init__(self, robot: AvrRobot, host: SerialHost, arena: ArenaLink) -> None:
-        self.robot = robot
-        self.host = host
-        self.arena = arena
-
-    def light_pulse(self, seconds: float) -> None:
-        self.arena.send("light 1\n")
-        self.robot.let_pass(seconds)
-        self.arena.send("light 0\n")
-
-    def stream(self, data: bytes, seconds: float) -> None:
-        """Commands while the robot lives so long: on a busy machine it may live more slowly than we do."""
-        end = self.robot.now + seconds * CYCLES_PER_SECOND
-
-        def over() -> bool:
-            self.host.stream(data, 0.05)
-            return self.robot.now >= end
-
-        until(over, seconds + 5)
-
-    def was_driven(self, mark: int) -> bool:
-        """Whether commands have come without a gap since the mark; else a busy machine has held us up."""
-        commands = self.robot.cycles_of("uart-in", since=mark)
-        return all(later - earlier < 0.25 * CYCLES_PER_SECOND for earlier, later in itertools.pairwise(commands))
-
-    def last_command(self) -> int:
-        """The cycle at which the last bytes from the host mark to arrive."""
-        return self.robot.cycles_of("uart-in")[-1]
-
-    def hits(self) -> int:
-        return self.host.count(RESPONSE_ID)
-
-
-@contextlib.contextmanager
-def bench_in(folder: Path) -> Iterator[Bench]:
-    arena = Arena()
-    with (
-        contextlib.closing(arena),
-        avr_robot("--serial", folder / "tty", arena=arena.address) as robot,
-        contextlib.closing(SerialHost(robot.uart)) as host,
-    ):
-        host.negotiate()
-        yield Bench(robot, host, arena.accept())
 
 
 @pytest.fixture
@@ -99,6 +52,11 @@ def speed(steps: list[tuple[int, int]]) -> float:
     return (end - start) * CYCLES_PER_SECOND / (last - first)
 
 
+def at_speed(steps: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The steps from 100 ms after the first on: it has got up its speed."""
+    return [step for step in steps if step[0] >= steps[0][0] + CYCLES_PER_SECOND // 10]
+
+
 def one_percent(value: float) -> object:
     return pytest.approx(value, rel=0.01)
 
@@ -107,26 +65,27 @@ def string(text: str) -> bytes:
     return len(text).to_bytes(4, "little") + text.encode()
 
 
-def test_negotiation_names_both_topics_with_their_types_and_checksums(bench: Bench) -> None:
+EMPTY = "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e"
+
+
+def test_negotiation_names_the_topics_with_their_types_and_checksums(bench: Bench) -> None:
+    until(lambda: bench.host.count(0) + bench.host.count(1) == 6, 5, "all topics")
     infos = [frame for frame in bench.host.frames if frame.topic_id in (0, 1)]
 
+    def info(kind: int, topic_id: int, name: str, type_name: str, md5: str) -> Frame:
+        texts = string(name) + string(type_name) + string(md5)
+        return Frame(kind, bytes([topic_id, 0]) + texts + b"\x18\x01\x00\x00")
+
+    def own(message: type) -> tuple[str, str]:
+        return message._type, message._md5sum  # type: ignore[attr-defined]
+
     assert infos == [
-        Frame(
-            0,
-            b"\x7d\x00"
-            + string("response")
-            + string("std_msgs/Empty")
-            + string("d41d8cd98f00b204e9800998ecf8427e")
-            + b"\x18\x01\x00\x00",
-        ),
-        Frame(
-            1,
-            b"\x64\x00"
-            + string("command")
-            + string("laser_bot_battle/Robot_msg")
-            + string("aa81278360e1bdd1ffce0a4efe0ae199")
-            + b"\x18\x01\x00\x00",
-        ),
+        info(0, 125, "response", *EMPTY),
+        info(1, 100, "command", *own(Robot_msg)),
+        info(0, 126, "hit", *own(Hit)),
+        info(0, 127, "board", *own(BoardHealth)),
+        info(1, 101, "setup", *own(Setup)),
+        info(1, 102, "identify", *EMPTY),
     ]
 
 
@@ -155,9 +114,8 @@ def test_a_command_turns_the_wheels_for_one_movement_and_no_longer(
 
     for wheel, expected in (("left", left), ("right", right)):
         steps = robot.steps(wheel, mark)
-        assert speed(steps) == one_percent(expected)
-        distance = 320 if abs(expected) == FULL else SCALED * 0.32  # steps; the slow wheel is stopped after 320 ms
-        assert len(steps) == pytest.approx(distance, abs=2)
+        assert speed(at_speed(steps)) == one_percent(expected)
+        assert len(steps) == pytest.approx(306 if abs(expected) == FULL else 226, abs=2)
     assert robot.last_step() - shared_bench.last_command() <= STOP_WITHIN
 
 
@@ -196,8 +154,10 @@ def test_speed_is_exact_under_a_stream_of_commands_and_light(
         """The mark before, the hits of the drive, and its end."""
         mark, hits = bench.robot.mark(), bench.hits()
         for _ in range(11):
-            bench.stream(command(1, angular_z), 0.2)
-            bench.arena.send("light 1\nlight 0\n")
+            bench.stream(command(1, angular_z), 0.1)
+            bench.arena.send("light 1\n")
+            bench.stream(command(1, angular_z), 0.1)
+            bench.arena.send("light 0\n")
         end = bench.last_command()
         bench.robot.wait_until_still()
         return mark, bench.hits() - hits, end
@@ -211,7 +171,7 @@ def test_speed_is_exact_under_a_stream_of_commands_and_light(
     until(driven, 30, "a stream without a gap")
     mark, hits, end = drives[-1]
     for wheel, expected in (("left", left), ("right", right)):
-        steps = [step for step in bench.robot.steps(wheel, mark) if step[0] <= end]
+        steps = at_speed([step for step in bench.robot.steps(wheel, mark) if step[0] <= end])
         assert steps[-1][0] - steps[0][0] >= 2 * CYCLES_PER_SECOND
         assert speed(steps) == one_percent(expected)
     assert bench.robot.cycles_of("slip") == []
@@ -232,7 +192,7 @@ def test_a_shot_is_one_pulse_of_half_a_second_and_further_shots_meanwhile_are_ig
         assert (off - on) / CYCLES_PER_SECOND == one_percent(0.5)
 
 
-def test_light_on_the_sensor_is_reported_as_one_hit_at_once(bench: Bench) -> None:
+def test_light_on_the_sensor_is_reported_as_one_hit_after_30_ms(bench: Bench) -> None:
     before = len(bench.host.received)
     bench.light_pulse(0.5)
     until(lambda: bench.robot.cycles_of("light", "0"), 5, "end of the light")
@@ -242,46 +202,22 @@ def test_light_on_the_sensor_is_reported_as_one_hit_at_once(bench: Bench) -> Non
     assert HIT in bench.host.received[before:]
     lit = bench.robot.cycles_of("light", "1")[0]
     told = next(cycle for cycle in bench.robot.cycles_of("uart-out") if cycle > lit)
-    assert told - lit <= 0.003 * CYCLES_PER_SECOND
+    assert 0.029 * CYCLES_PER_SECOND <= told - lit <= 0.034 * CYCLES_PER_SECOND
 
 
 @pytest.mark.slow
-def test_flickering_light_is_one_hit(bench: Bench) -> None:
+def test_flickering_light_is_no_hit(bench: Bench) -> None:
     flashes = 1200
     bench.arena.send("light 1\nlight 0\n" * flashes)  # 300 ms
     until(lambda: len(bench.robot.cycles_of("light", "0")) == flashes, 5, "the end of the light")
     bench.robot.let_pass(0.15)
 
-    assert bench.hits() == 1
-
-
-def test_hits_are_at_least_100_ms_apart(bench: Bench) -> None:
-    for number in range(8):
-        bench.light_pulse(0.02)
-        until(lambda number=number: len(bench.robot.cycles_of("light", "0")) > number, 5, "the end of the light")
-        bench.robot.let_pass(0.02)
-    bench.robot.let_pass(0.15)
-
-    edges = bench.robot.cycles_of("light", "1")
-    assert len(edges) == 8
-    # the firmware reads a clock that ticks every 1.024 ms
-    fewest, most = (len(apart(edges, 0.1 + tick)) for tick in (0.0011, -0.0011))
-    assert most < 8
-    assert fewest <= bench.hits() <= most
-
-
-def apart(edges: list[int], seconds: float) -> list[int]:
-    """Those edges (in cycles) that are at least so far from the last of them."""
-    found = edges[:1]
-    for edge in edges:
-        if edge - found[-1] >= seconds * CYCLES_PER_SECOND:
-            found.append(edge)
-    return found
+    assert bench.hits() == 0
 
 
 def test_pulses_more_than_100_ms_apart_are_a_hit_each(bench: Bench) -> None:
     for number in (1, 2, 3):
-        bench.light_pulse(0.01)
+        bench.light_pulse(0.05)
         until(lambda number=number: bench.hits() == number, 5, f"hit {number}")
         bench.robot.let_pass(0.12)
 
@@ -297,7 +233,10 @@ def test_light_before_the_negotiation_is_not_reported(tmp_path: Path) -> None:
         avr_robot("--serial", tmp_path / "tty", arena=arena.address) as robot,
         contextlib.closing(SerialHost(robot.uart)) as host,
     ):
-        arena.accept().send("light 1\nlight 0\n")
+        link = arena.accept()
+        link.send("light 1\n")
+        robot.let_pass(0.05)
+        link.send("light 0\n")
         until(lambda: robot.cycles_of("light", "0"), 5, "the light")
         robot.let_pass(0.05)
         host.negotiate()
@@ -316,13 +255,12 @@ def test_a_flood_of_light_edges_neither_slows_the_wheels_nor_corrupts_frames(ben
 
     assert bench.robot.cycles_of("light", "0")[-1] > end  # the flood was there all the time
     for wheel, expected in (("left", -FULL), ("right", FULL)):
-        assert speed([step for step in bench.robot.steps(wheel, mark) if step[0] <= end]) == one_percent(expected)
+        steps = at_speed([step for step in bench.robot.steps(wheel, mark) if step[0] <= end])
+        assert speed(steps) == one_percent(expected)
     assert bench.robot.cycles_of("slip") == []
-    assert 1 <= bench.hits() <= 11  # at most one per 100 ms
-    bench.robot.let_pass(0.12)
-    hits = bench.hits()
-    bench.light_pulse(0.01)
-    until(lambda: bench.hits() == hits + 1, 5, "a hit after the flood")
+    assert bench.hits() == 0
+    bench.light_pulse(0.05)
+    until(lambda: bench.hits() == 1, 5, "a hit after the flood")
 
 
 HALF = command(1, 0)[:7]
@@ -373,7 +311,20 @@ def test_the_robot_asks_for_the_time_every_2500_ms_answered_or_not(tmp_path: Pat
         answers: list[bytes] = []
         until(three_requests, 10, "three time requests each")
         for bench in (answered, alone):
-            asked = bench.robot.cycles_of("uart-out")
-            starts = [cycle for before, cycle in zip([0, *asked], asked, strict=False) if cycle - before > 10**7]
-            intervals = [(b - a) / CYCLES_PER_SECOND for a, b in itertools.pairwise(starts)]
+            intervals = [(b - a) / CYCLES_PER_SECOND for a, b in itertools.pairwise(questions(bench.robot))]
             assert intervals and intervals == [one_percent(2.5)] * len(intervals)
+
+
+def questions(robot: AvrRobot) -> list[int]:
+    """When (cycle) the robot has asked for the time since the negotiation: 16 bytes together, none soon before or after."""
+    bursts: list[tuple[int, int]] = []
+    last = 0
+    for event in robot.events:
+        if event.words[0] != "uart-out":
+            continue
+        if event.cycles - last > CYCLES_PER_SECOND // 100:
+            bursts.append((event.cycles, 0))
+        start, length = bursts[-1]
+        bursts[-1] = (start, length + int(event.words[1]))
+        last = event.cycles
+    return [start for start, length in bursts if length == 16]

@@ -11,7 +11,7 @@ constexpr uint16_t LIGHT_UNIT_US = 16;
 
 // A receiver lengthens or shortens a mark by up to 160 us; the clock's unit and an interrupt that comes late add some 50.
 // Half the distance of a 0 to a 1 is 300 us.
-constexpr uint16_t TOLERANCE_US = 240;
+constexpr uint16_t TOLERANCE_US = 220;
 
 // Darkness after the last bit, before a packet counts. It is longer than the longest space: a packet with more bits is
 // none of ours.
@@ -47,11 +47,13 @@ class Decoder {
     return false;
   }
 
-  // No edge has come for `length`. Returns whether that ends a packet.
+  // It has been dark for `length`. Returns whether that ends a packet.
   bool dark(uint16_t length) {
-    if (state_ != State::ENDING || length < END_US / LIGHT_UNIT_US) return false;
+    if (state_ == State::IDLE || length < END_US / LIGHT_UNIT_US) return false;
+    const bool whole = state_ == State::ENDING;
+    if (!whole) spoil();
     state_ = State::IDLE;
-    return good();
+    return whole && good();
   }
 
   // Forgets what has begun: something was missed, or is not to be seen.
