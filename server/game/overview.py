@@ -42,6 +42,7 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
                 "default": getattr(configured, name),
                 "min": variable.lowest,
                 "max": variable.highest,
+                "words": list(variable.words),
                 "text": variable.text,
             }
             for name, variable in DECLARED.items()
