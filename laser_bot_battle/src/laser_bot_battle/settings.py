@@ -86,7 +86,7 @@ def globs(name: str, text: str) -> Variable[tuple[str, ...] | None]:
     return Variable(name, None, text, parse, "all")
 
 
-def choice(name: str, default: str, allowed: tuple[str, ...], text: str) -> Variable[str]:
+def choice(name: str, default: str, allowed: tuple[str, ...], text: str, shown: str = "") -> Variable[str]:
     """One of `allowed`, in any case."""
 
     def parse(given: str) -> str:
@@ -95,7 +95,7 @@ def choice(name: str, default: str, allowed: tuple[str, ...], text: str) -> Vari
         return given.lower()
 
     text = f"{text}: {', '.join(f'`{word}`' for word in allowed)}"
-    return Variable(name, default, text, parse, f"`{default}`", words=allowed)
+    return Variable(name, default, text, parse, shown or f"`{default}`", words=allowed)
 
 
 def words(name: str, default: str, text: str, shown: str = "") -> Variable[str]:

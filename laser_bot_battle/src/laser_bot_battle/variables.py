@@ -103,7 +103,13 @@ ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` start
 ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
 ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
-LIGHT = choice("LASERBOT_LIGHT", "plain", ("plain", "coded"), "what a shot is, light alone or a code that tells whose")
+LIGHT = choice(
+    "LASERBOT_LIGHT",
+    "plain",
+    ("plain", "coded"),
+    "what a shot is, light alone or a code that tells whose",
+    "`plain` (demo: `coded`)",
+)
 TEAMS: Variable[int] = Variable(
     "LASERBOT_TEAMS", 0, "teams that fight, 2 to 4; 0: everybody fights alone", _teams, "0", lowest=0, highest=4
 )
