@@ -99,7 +99,7 @@ static avr_irq_t *adc_irq(avr_t *avr, int index)
 static void conversion_started(avr_irq_t *irq, uint32_t value, void *param)
 {
 	const struct board *board = param;
-	const struct voltages *voltages = board->voltages;
+	const struct voltages *voltages = &board->voltages;
 	const bool pulled_up = board->avr->data[PORTC] & ~board->avr->data[DDRC] & 1u << A0_PIN;
 
 	(void)irq;
@@ -111,7 +111,7 @@ static void connect_voltages(struct board *board)
 {
 	avr_t *avr = board->avr;
 
-	avr->vcc = avr->avcc = avr->aref = board->voltages->supply;
+	avr->vcc = avr->avcc = avr->aref = board->voltages.supply;
 	avr_irq_register_notify(adc_irq(avr, ADC_IRQ_OUT_TRIGGER), conversion_started, board);
 }
 
@@ -119,7 +119,7 @@ bool board_init(struct board *board, const struct firmware_image *image, const s
                 struct trace *trace)
 {
 	*board = (struct board){
-		.trace = trace, .voltages = &options->voltages, .left = {.name = "left"}, .right = {.name = "right"}};
+		.trace = trace, .voltages = options->voltages, .left = {.name = "left"}, .right = {.name = "right"}};
 	stepper_init(&board->left.stepper);
 	stepper_init(&board->right.stepper);
 

@@ -34,7 +34,7 @@ struct board {
 	struct avr_t *avr;
 	void (*run)(struct avr_t *avr); /* simavr's way to run it, unless its watchdog wants a reset */
 	struct trace *trace;
-	const struct voltages *voltages;
+	struct voltages voltages;
 	struct uart uart;
 	struct port port_b, port_d;
 	struct wheel left, right;
@@ -42,7 +42,7 @@ struct board {
 	struct receiver receiver;
 };
 
-/* Power on with `image` in the flash; false with a line on stderr if the simulator cannot do it. `options` stay in use. */
+/* Power on with `image` in the flash; false with a line on stderr if the simulator cannot do it. */
 bool board_init(struct board *board, const struct firmware_image *image, const struct board_options *options,
                 struct trace *trace);
 
