@@ -23,8 +23,6 @@
 #include "src/setup_msg.h"
 #include "src/version.h"
 
-constexpr uint32_t HEALTH_MS = 1000;
-
 static rosserial::Client client;
 static KeptSetup kept;
 static Emitter emitter;

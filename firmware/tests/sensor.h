@@ -26,7 +26,7 @@ struct CodedSensor {
   void packet(uint64_t at);
 
   Repeats repeats_;
-  uint64_t now_ = 0;      // us
+  uint64_t now_ = 0;       // us
   uint64_t unmasked_ = 0;  // us
   uint64_t last_edge_ = 0;
   bool pin_ = false;

@@ -397,9 +397,10 @@ TEST(the_health_of_the_board_is_published_field_by_field) {
   CHECK(!device.client.publish_board(health, 10));
   line.free = 39;
   CHECK(device.client.publish_board(health, 10));
-  CHECK_EQUAL(std::string("ff fe 1f 00 e0 7f 00 02 01 03 04 05 01 01 06 07 08 09 0a 0b 0c 0d 0e 0f 10 11 12 13 14 15 16 "
-                          "17 18 19 1a 1b 1c 1d cb"),
-              line.take());
+  CHECK_EQUAL(
+      std::string("ff fe 1f 00 e0 7f 00 02 01 03 04 05 01 01 06 07 08 09 0a 0b 0c 0d 0e 0f 10 11 12 13 14 15 16 "
+                  "17 18 19 1a 1b 1c 1d cb"),
+      line.take());
 }
 
 TEST(a_host_that_does_not_know_the_health_message_is_left_alone) {

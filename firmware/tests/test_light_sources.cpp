@@ -122,8 +122,8 @@ TEST(no_source_of_light_is_a_hit_of_coded_light_and_a_shot_in_between_counts) {
     shine(source, sensor, [&sensor] { sensor.see(packet(SHOT), 3000); });
     int wrong = 0;
     for (const Hit &hit : sensor.hits) wrong += hit.shooter != SHOT.shooter;
-    std::cout << "  coded, an hour of " << source.name << ": " << wrong << " false hits, "
-              << sensor.hits.size() - wrong << " of " << SHOTS << " shots\n";
+    std::cout << "  coded, an hour of " << source.name << ": " << wrong << " false hits, " << sensor.hits.size() - wrong
+              << " of " << SHOTS << " shots\n";
     CHECK_EQUAL(0, wrong);
     CHECK_EQUAL(static_cast<size_t>(SHOTS), sensor.hits.size());
   }

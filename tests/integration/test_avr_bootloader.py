@@ -141,8 +141,9 @@ def test_the_robot_works_after_every_opening(tmp_path: Path) -> None:
                 start(robot, host)
                 host.send(command(1, 0))
                 until(lambda number=number: robot.position("left") == -320 * number, 5, "the robot drives")
-                link.send("light 1\nlight 0\n")
+                link.send("light 1\n")
                 until(lambda host=host: host.count(RESPONSE_ID), 5, "a hit")
+                link.send("light 0\n")
         assert len(robot.cycles_of("reset", "opened")) == 2
 
 

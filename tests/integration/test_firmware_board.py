@@ -1,5 +1,6 @@
 """The real firmware in the simulated Uno, in virtual time: how it says it is, and how it comes back after a fault."""
 
+import itertools
 import random
 import subprocess
 from collections.abc import Iterator
@@ -10,6 +11,7 @@ import pytest
 from laser_bot_battle.msg import BoardHealth
 from tests.support.avr import FIRMWARE, OPTIBOOT, REQUEST_TOPICS, command, frame
 from tests.support.documents import page, table
+from tests.support.programs import ROOT
 from tests.support.virtual_time import (
     BOARD_ID,
     CODED,
@@ -23,17 +25,20 @@ from tests.support.virtual_time import (
     uno,
 )
 
-PACKETS = {int(row["shooter"]): [int(us) for us in row["light"].split()] for row in table(page("protocol-light.md"), "Packets")}
+PACKETS = {
+    int(row["shooter"]): [int(us) for us in row["light"].split()] for row in table(page("protocol-light.md"), "Packets")
+}
 OLD_BOOTLOADER = Path("/usr/share/arduino/hardware/arduino/avr/bootloaders/atmega/ATmegaBOOT_168_atmega328.hex")
 POWER_ON, RESET_PIN, WATCHDOG = 1, 2, 8
 RAM = range(0x100, 0x900)
 LED_PORT, LED = 0x25, 1 << 5
+UCSR0A, U2X, UBRR0L = 0xC0, 1 << 1, 0xC4
 RESPONSE_INFO = b"\x7d\x00"
 
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Iterator[Uno]:
-    with uno(tmp_path) as robot:
+def robot() -> Iterator[Uno]:
+    with uno() as robot:
         robot.run(0.02)
         robot.connect(setup(5, 2, CODED, damage=3))
         yield robot
@@ -63,8 +68,8 @@ def times_told(robot: Uno) -> int:
 # ---- health ----------------------------------------------------------------------------------------------------------
 
 
-def test_health_comes_once_a_second_while_connected(tmp_path: Path) -> None:
-    with uno(tmp_path) as robot:
+def test_health_comes_once_a_second_while_connected() -> None:
+    with uno() as robot:
         robot.run(2.5)
         assert robot.said(BOARD_ID) == []
         robot.connect()
@@ -98,8 +103,8 @@ def test_health_says_how_the_board_is(robot: Uno, tmp_path: Path) -> None:
     assert (last.packets, last.bad_packets, last.shots) == (1, 1, 1)
 
 
-def test_a_robot_with_the_sun_on_its_sensor_says_that_it_is_deaf(tmp_path: Path) -> None:
-    with uno(tmp_path, coded=False) as robot:
+def test_a_robot_with_the_sun_on_its_sensor_says_that_it_is_deaf() -> None:
+    with uno(coded=False) as robot:
         robot.run(0.02)
         robot.connect()
         robot.run(1.1)
@@ -123,6 +128,22 @@ def test_a_host_that_does_not_know_the_health_message_gets_no_more_of_them(robot
     assert answered == 2
 
 
+# ---- line ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("board", "baud"), [("uno", 58824), ("nano", 57143)])
+def test_the_line_has_the_speed_of_the_boards_bridge(tmp_path: Path, board: str, baud: int) -> None:
+    built = tmp_path / "firmware"
+    make = ["make", "-s", "-C", "firmware", f"BUILD={built}", f"BOARD={board}"]
+    subprocess.run(make, cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    with uno(built / "laserbot.elf") as robot:
+        robot.run(0.02)
+        robot.connect()
+        assert times_told(robot) == 1
+        samples = 8 if robot.peek(UCSR0A) & U2X else 16
+        assert 16_000_000 / samples / (robot.peek(UBRR0L) + 1) == pytest.approx(baud, abs=1)
+
+
 # ---- identify --------------------------------------------------------------------------------------------------------
 
 
@@ -139,7 +160,7 @@ def test_identify_wiggles_and_flashes_for_2_s(robot: Uno) -> None:
     start = robot.now
     robot.send(frame(IDENTIFY_ID))
     states = led_changes(robot, 2.5)
-    assert len([1 for before, after in zip(states, states[1:], strict=False) if before != after]) >= 7
+    assert len([1 for before, after in itertools.pairwise(states) if before != after]) >= 7
     assert states[-1] == 0
     assert max(abs(left) for _, left, _ in robot.steps) > 100
     assert all(left == right for _, left, right in robot.steps)  # it turns in place
@@ -175,7 +196,7 @@ def faults(robot: Uno) -> list[str]:
     start, place = robot.now, robot.position("left")
     robot.send(command(1, 0, shoot=True))
     robot.run(0.6)
-    if robot.position("left") != pytest.approx(place - 306, abs=3):
+    if robot.position("left") != pytest.approx(place - 320, abs=3):
         wrong.append("wheels")
     shot = lengths([cycle for cycle in robot.carrier if cycle > start])
     if shot != pytest.approx(PACKETS[5], abs=100):
@@ -191,8 +212,8 @@ def faults(robot: Uno) -> list[str]:
 
 
 @pytest.mark.parametrize("bootloader", [None, OPTIBOOT, OLD_BOOTLOADER], ids=["none", "optiboot", "old"])
-def test_a_program_that_hangs_starts_again_and_has_its_setup_back(tmp_path: Path, bootloader: Path | None) -> None:
-    with uno(tmp_path, bootloader=bootloader) as robot:
+def test_a_program_that_hangs_starts_again_and_has_its_setup_back(bootloader: Path | None) -> None:
+    with uno(bootloader=bootloader) as robot:
         robot.run(3.0)  # a boot loader waits for a new program first
         robot.connect(setup(5, 2, CODED, damage=3))
         robot.run(0.2, command(1, 0))
@@ -206,12 +227,12 @@ def test_a_program_that_hangs_starts_again_and_has_its_setup_back(tmp_path: Path
 
 
 @pytest.mark.slow
-def test_a_robot_whose_ram_was_disturbed_comes_back_by_itself(tmp_path: Path) -> None:
+def test_a_robot_whose_ram_was_disturbed_comes_back_by_itself() -> None:
     """Any bit of it, at any time while it drives; see also the firmware's own stack at the end of the RAM."""
     chance = random.Random(18)
     for _ in range(60):
         address, bit, wait = chance.choice(RAM), chance.randrange(8), 0.2 + 0.3 * chance.random()
-        with uno(tmp_path) as robot:
+        with uno() as robot:
             robot.run(0.02)
             robot.connect(setup(5, 2, CODED, damage=3))
             robot.run(wait, command(1, 0))

@@ -2,7 +2,6 @@
 
 import itertools
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -19,9 +18,9 @@ SEEN_BY_OTHERS = 100  # us that a mark or space may differ from the page's
 
 
 @pytest.fixture
-def robot(tmp_path: Path) -> Iterator[Uno]:
+def robot() -> Iterator[Uno]:
     """Connected, in coded mode with the ID 99; the hits of others come through."""
-    with uno(tmp_path) as robot:
+    with uno() as robot:
         robot.run(0.02)
         robot.connect(setup(99))
         yield robot
@@ -40,8 +39,8 @@ def hits(robot: Uno, since: int = 0) -> list[bytes]:
 
 
 @pytest.mark.parametrize("row", PACKETS, ids=lambda row: row["bits"])
-def test_a_shot_is_the_packet_of_the_page(tmp_path: Path, row: Row) -> None:
-    with uno(tmp_path) as robot:
+def test_a_shot_is_the_packet_of_the_page(row: Row) -> None:
+    with uno() as robot:
         robot.run(0.02)
         shooter, team, damage = hit_of(row)
         robot.connect(setup(shooter, team, CODED, damage=damage))
@@ -78,9 +77,9 @@ def test_a_hit_is_told_soon_after_the_packets_end(robot: Uno) -> None:
     assert told - end <= 5 * MS
 
 
-def test_the_own_id_and_repeats_of_a_shooter_are_no_hits(tmp_path: Path) -> None:
+def test_the_own_id_and_repeats_of_a_shooter_are_no_hits() -> None:
     mine, other = PACKETS[2], PACKETS[3]
-    with uno(tmp_path) as robot:
+    with uno() as robot:
         robot.run(0.02)
         robot.connect(setup(int(mine["shooter"])))
         robot.light(light_of(mine))
@@ -109,8 +108,8 @@ def test_light_is_ignored_while_the_robot_fires(robot: Uno) -> None:
 
 
 @pytest.mark.parametrize("cooldown", [500, 1000])
-def test_a_held_trigger_sends_a_packet_each_cooldown(tmp_path: Path, cooldown: int) -> None:
-    with uno(tmp_path) as robot:
+def test_a_held_trigger_sends_a_packet_each_cooldown(cooldown: int) -> None:
+    with uno() as robot:
         robot.run(0.02)
         robot.connect(setup(5, cooldown=cooldown))
         robot.run(5 * cooldown / 1000 - 0.05, SHOT)
@@ -120,8 +119,8 @@ def test_a_held_trigger_sends_a_packet_each_cooldown(tmp_path: Path, cooldown: i
         assert all(cooldown - 1 <= gap <= cooldown + 3 for gap in gaps)
 
 
-def test_the_mode_is_plain_until_a_setup_says_coded_and_may_change_back(tmp_path: Path) -> None:
-    with uno(tmp_path, coded=False) as robot:
+def test_the_mode_is_plain_until_a_setup_says_coded_and_may_change_back() -> None:
+    with uno(coded=False) as robot:
         robot.run(0.02)
         robot.connect()
         robot.send(SHOT)
@@ -151,8 +150,8 @@ def test_a_setup_that_makes_no_sense_changes_nothing(robot: Uno) -> None:
     assert hits(robot) == [hit_of(PACKETS[2])]
 
 
-def test_plain_light_is_a_hit_after_30_ms_and_the_own_light_is_none(tmp_path: Path) -> None:
-    with uno(tmp_path, coded=False) as robot:
+def test_plain_light_is_a_hit_after_30_ms_and_the_own_light_is_none() -> None:
+    with uno(coded=False) as robot:
         robot.run(0.02)
         robot.connect()
         start = robot.now
@@ -173,10 +172,10 @@ def test_plain_light_is_a_hit_after_30_ms_and_the_own_light_is_none(tmp_path: Pa
 
 @pytest.mark.parametrize(("angular_z", "left", "right"), [(0, -1024, 1024), (-1, -716.8, 1024)])
 def test_wheels_keep_their_speed_and_the_dead_man_its_time_under_light(
-    tmp_path: Path, angular_z: int, left: float, right: float
+    angular_z: int, left: float, right: float
 ) -> None:
     """Packets of two shooters, a remote control and a flood of edges at the sensor, shots all the while."""
-    with uno(tmp_path) as robot:
+    with uno() as robot:
         robot.run(0.02)
         robot.connect(setup(99))
         moving = command(1, angular_z, shoot=True)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from laser_bot_battle.msg import Robot_msg
+from laser_bot_battle.msg import BoardHealth, Hit, Robot_msg, Setup
 from robot.device_topics import serialised
 from robot.rosserial import host
 from robot.rosserial.frame import Decoder, Frame, encode
@@ -13,6 +13,7 @@ from tests.support.documents import Row, page, table, value_of
 PAGE = page("protocol-serial.md")
 CONVERSATION = table(PAGE, "Conversation")
 COMMANDS = table(PAGE, "Commands")
+MESSAGES = table(PAGE, "Messages")
 WALL = 1_700_000_000.25  # s since 1970, as on the page
 
 
@@ -29,7 +30,7 @@ def test_the_speed_is_told() -> None:
     assert f"at {BAUDRATE} baud" in PAGE
 
 
-@pytest.mark.parametrize("row", CONVERSATION + COMMANDS, ids=lambda row: row["what"])
+@pytest.mark.parametrize("row", CONVERSATION + MESSAGES + COMMANDS, ids=lambda row: row["what"])
 def test_the_bytes_are_one_frame(row: Row) -> None:
     frame = the_frame(row)
     assert encode(frame.topic_id, frame.payload) == data(row)
@@ -52,17 +53,34 @@ def test_the_conversation_is_held_by_the_pi() -> None:
             said += [event.data for event in events if isinstance(event, Send)]
             heard += [event for event in events if not isinstance(event, Send)]
     assert [*said, host.STOP_SENDING] == [data(row) for row in CONVERSATION if row["from"] == "Pi"]
-    publishes, subscribes, hit = heard
-    assert isinstance(publishes, DevicePublishes)
-    assert isinstance(subscribes, DeviceSubscribes)
-    assert hit == Message(publishes.info.topic_id, b"")
+    *topics, hit = heard
+    assert [(type(told), told.info.topic_id) for told in topics] == [  # type: ignore[union-attr]
+        (DevicePublishes, 125),
+        (DeviceSubscribes, 100),
+        (DevicePublishes, 126),
+        (DevicePublishes, 127),
+        (DeviceSubscribes, 101),
+        (DeviceSubscribes, 102),
+    ]
+    assert hit == Message(125, b"")
+
+
+def test_the_bytes_of_the_messages_are_what_they_say() -> None:
+    coded, plain, identify, hit, health = (the_frame(row) for row in MESSAGES)
+    assert coded == Frame(101, serialised(Setup(ID=5, team=2, mode=Setup.CODED, cooldown=500, damage=3)))
+    assert plain == Frame(101, serialised(Setup(ID=5, team=2, mode=Setup.PLAIN, cooldown=500, damage=3)))
+    assert identify == Frame(102, b"")
+    assert hit == Frame(126, serialised(Hit(shooter=42, team=1, damage=9)))
+    message = BoardHealth()
+    message.deserialize(health.payload)
+    assert (health.topic_id, message.major, message.uptime, message.supply, message.shots) == (127, 2, 61, 5006, 7)
 
 
 def test_the_topic_ids_are_the_protocols() -> None:
     ids = {int(row["id"]) for row in table(PAGE, "Topic ids")}
     reserved = {host.PUBLISHER, host.SUBSCRIBER, host.PARAMETER, host.LOG, host.TIME, host.TX_STOP}
-    told = {the_frame(row).topic_id for row in CONVERSATION + COMMANDS}
-    assert ids == reserved | {100, 125}
+    told = {the_frame(row).topic_id for row in CONVERSATION + MESSAGES + COMMANDS}
+    assert ids == reserved | {100, 101, 102, 125, 126, 127}
     assert told <= ids
 
 

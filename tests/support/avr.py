@@ -26,6 +26,7 @@ HIT = bytes.fromhex("ff fe 00 00 ff 7d 00 82")
 COMMAND_ID = 100
 RESPONSE_ID = 125
 TIME_ID = 10
+TOPICS = 6  # that the firmware tells
 
 
 @functools.cache
@@ -185,9 +186,9 @@ class SerialHost:
         return sum(frame.topic_id == topic_id for frame in self.frames)
 
     def negotiate(self) -> None:
-        """Ask for the topics and wait for the answer: from now on the robot reports hits."""
+        """Ask for the topics and wait for the whole answer: from now on the robot reports hits."""
         self.send(REQUEST_TOPICS)
-        until(lambda: self.count(1) >= 1, 5, "TopicInfo of the subscriber")
+        until(lambda: self.count(0) + self.count(1) >= TOPICS, 5, "descriptions of all topics")
 
     def stream(self, data: bytes, seconds: float, hz: float = 40.0) -> None:
         """Send `data` again and again, as a player's page does with commands."""

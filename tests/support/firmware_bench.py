@@ -1,4 +1,4 @@
-"""A robot on the test bench: the real firmware in the AVR simulator, its serial cable and its arena in a test's hands."""
+"""A robot on the test bench: the real firmware in the AVR simulator, its cable and its arena in a test's hands."""
 
 import contextlib
 import itertools

@@ -1,14 +1,24 @@
-"""The real firmware in a virtual Uno that runs as long as a test says, in virtual time: the same each time, and faster."""
+"""The real firmware in an Uno in virtual time: it runs as long as a test says, the same each time, and faster."""
 
 import contextlib
 import ctypes
 import functools
 import itertools
+import os
 import subprocess
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from tests.support.avr import CYCLES_PER_SECOND, FIRMWARE, REQUEST_TOPICS, TIME_ID, Frame, build, command, frame, split_frames
+from tests.support.avr import (
+    CYCLES_PER_SECOND,
+    FIRMWARE,
+    REQUEST_TOPICS,
+    TIME_ID,
+    Frame,
+    build,
+    frame,
+    split_frames,
+)
 from tests.support.programs import ROOT
 
 SOURCE = ROOT / "tests/support/avr_programs/virtual_time.c"
@@ -21,16 +31,16 @@ PLAIN, CODED = 0, 1
 
 
 @functools.cache
-def _library(folder: Path) -> ctypes.CDLL:
+def _library() -> ctypes.CDLL:
     build()
-    library = folder / "virtual_time.so"
+    library = ROOT / "build/sim" / f"virtual_time.{os.getpid()}.so"
     sim = ROOT / "sim/avr_robot"
     sources = [SOURCE, *(sim / f"{part}.c" for part in PARTS)]
     flags = ["-O2", "-std=c11", "-D_GNU_SOURCE", "-shared", "-fPIC", f"-I{sim}"]
     subprocess.run(["gcc", *flags, "-o", library, *sources, "-lsimavr", "-lelf"], check=True)
     loaded = ctypes.CDLL(str(library))
-    for name in ("uno_new",):
-        getattr(loaded, name).restype = ctypes.c_void_p
+    library.unlink()
+    loaded.uno_new.restype = ctypes.c_void_p
     for name in ("uno_cycle", "uno_sent", "uno_carrier_edges"):
         getattr(loaded, name).restype = ctypes.c_uint64
     loaded.uno_position.restype = ctypes.c_int64
@@ -44,23 +54,20 @@ def setup(robot: int, team: int = 0, mode: int = CODED, cooldown: int = 500, dam
 
 
 class Uno:
-    """A virtual Uno with its host: it negotiates and answers questions for the time by itself once `connect` was called."""
+    """A virtual Uno with its host, which answers questions for the time by itself once `connect` was called."""
 
-    def __init__(self, folder: Path, firmware: Path = FIRMWARE, bootloader: Path | None = None, coded: bool = True) -> None:
-        self._call = _library(folder)
+    def __init__(self, firmware: Path = FIRMWARE, bootloader: Path | None = None, coded: bool = True) -> None:
+        self._call = _library()
         names = [str(path).encode() if path else None for path in (firmware, bootloader)]
         self._uno = ctypes.c_void_p(self._call.uno_new(*names, coded))
         assert self._uno
         self._received = b""
-        self._to_send: list[bytes] = []
-        self._parsed = 0
         self.answers = False  # questions for the time and new descriptions of the topics
         self.setup: bytes | None = None  # sent when the topics were told
         self.frames: list[tuple[int, Frame]] = []  # when (cycle) and what the Arduino has said
         self.carrier: list[int] = []  # edges of its own carrier: cycles, on and off in turn
         self.beam: list[tuple[int, bool]] = []
         self.steps: list[tuple[int, int, int]] = []  # cycle, left, right
-        self._light: list[tuple[int, Callable[[], None]]] = []
 
     def close(self) -> None:
         self._call.uno_delete(self._uno)
@@ -149,7 +156,7 @@ class Uno:
 
 def _whole_frames(received: bytes) -> tuple[list[Frame], bytes]:
     """The frames and what may be the beginning of one; a disturbed Arduino may say other things in between."""
-    frames = []
+    frames: list[Frame] = []
     while (start := received.find(b"\xff\xfe")) >= 0:
         received = received[start:]
         length = int.from_bytes(received[2:4], "little") if len(received) > 4 else 0
@@ -164,9 +171,9 @@ def _whole_frames(received: bytes) -> tuple[list[Frame], bytes]:
 
 
 @contextlib.contextmanager
-def uno(folder: Path, bootloader: Path | None = None, coded: bool = True) -> Iterator[Uno]:
-    """An Uno for a while."""
-    one = Uno(folder, bootloader=bootloader, coded=coded)
+def uno(firmware: Path = FIRMWARE, bootloader: Path | None = None, coded: bool = True) -> Iterator[Uno]:
+    """An Uno for a while; `coded`: with a receiver for coded light."""
+    one = Uno(firmware, bootloader, coded)
     try:
         yield one
     finally:

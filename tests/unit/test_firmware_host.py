@@ -53,3 +53,9 @@ def test_a_missing_host_compiler_is_one_clear_line(tmp_path: Path) -> None:
     assert result.returncode != 0
     assert "no-such-compiler is missing" in result.stderr
     assert "apt-get install g++" in result.stderr
+
+
+def test_a_board_that_there_is_not_is_one_clear_line(tmp_path: Path) -> None:
+    result = make(f"BUILD={tmp_path}", "BOARD=mega")
+    assert result.returncode != 0
+    assert "there is no board mega; use BOARD=uno or BOARD=nano" in result.stderr

@@ -8,6 +8,9 @@
 
 constexpr uint8_t BOARD_HEALTH_LENGTH = 31;
 
+// It is published so often.
+constexpr uint32_t HEALTH_MS = 1000;
+
 struct BoardHealth {
   uint8_t major;
   uint8_t minor;

@@ -9,8 +9,8 @@ constexpr uint16_t SETUP_LENGTH = 6;
 enum Mode : uint8_t { PLAIN = 0, CODED = 1 };
 
 struct Setup {
-  uint8_t id;         // 0 to 127
-  uint8_t team;       // 0 to 3
+  uint8_t id;    // 0 to 127
+  uint8_t team;  // 0 to 3
   Mode mode;
   uint16_t cooldown;  // ms
   uint8_t damage;     // 0 to 15
@@ -19,8 +19,8 @@ struct Setup {
 // `bytes` has SETUP_LENGTH bytes. Returns false and leaves `setup` as it is if a value makes no sense.
 inline bool decode_setup(const uint8_t *bytes, Setup &setup) {
   if (bytes[0] > 127 || bytes[1] > 3 || bytes[2] > CODED || bytes[5] > 15) return false;
-  setup = Setup{bytes[0], bytes[1], static_cast<Mode>(bytes[2]), static_cast<uint16_t>(bytes[3] | bytes[4] << 8),
-                bytes[5]};
+  setup =
+      Setup{bytes[0], bytes[1], static_cast<Mode>(bytes[2]), static_cast<uint16_t>(bytes[3] | bytes[4] << 8), bytes[5]};
   return true;
 }
 

@@ -6,8 +6,8 @@
 // 13             PB5        LED
 // A0             PC0        battery: analog.cpp
 //
-// Timer 0 belongs to the core (millis). Timer 1 counts CPU cycles; compare A makes the motors' tick, compare B the marks
-// and spaces of a shot. Timer 2 makes the carrier.
+// Timer 0 belongs to the core (millis). Timer 1 counts CPU cycles; compare A makes the motors' tick, compare B the
+// marks and spaces of a shot. Timer 2 makes the carrier.
 #include "board.h"
 
 #include <avr/interrupt.h>

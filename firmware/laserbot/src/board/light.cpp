@@ -13,8 +13,8 @@ namespace {
 constexpr uint8_t SENSOR = _BV(PD2);   // low = light (pull-up on)
 constexpr uint8_t EMITTER = _BV(PD3);  // low = on
 
-// Phase-correct PWM up to OCR2A: 16 MHz / (2 * 210) = 38.1 kHz. The pin is low while the counter is above OCR2B: a third
-// of the time, as the receivers' data sheets have it.
+// Phase-correct PWM up to OCR2A: 16 MHz / (2 * 210) = 38.1 kHz. The pin is low while the counter is above OCR2B: a
+// third of the time, as the receivers' data sheets have it.
 constexpr uint8_t CARRIER_TOP = 210;
 constexpr uint8_t CARRIER_ON_ABOVE = 140;
 constexpr uint8_t CARRIER_MODE = _BV(WGM20);

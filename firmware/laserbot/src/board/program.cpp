@@ -18,7 +18,8 @@ namespace program {
 
 uint16_t hash() {
   const uint16_t end = reinterpret_cast<uint16_t>(&__data_load_end);
-  for (uint8_t bytes = BYTES_PER_CALL; bytes > 0 && next < end; --bytes) crc = _crc16_update(crc, pgm_read_byte(next++));
+  for (uint8_t bytes = BYTES_PER_CALL; bytes > 0 && next < end; --bytes)
+    crc = _crc16_update(crc, pgm_read_byte(next++));
   return next < end ? 0 : crc;
 }
 

@@ -5,8 +5,8 @@
 
 namespace program {
 
-// CRC-16 (polynomial 0xa001, start 0xffff, as in Modbus) of the program in the flash, all bytes of laserbot.hex. Some of
-// it is reckoned at each call; 0 until it is done.
+// CRC-16 (polynomial 0xa001, start 0xffff, as in Modbus) of the program in the flash, all bytes of laserbot.hex. Some
+// of it is reckoned at each call; 0 until it is done.
 uint16_t hash();
 
 }  // namespace program

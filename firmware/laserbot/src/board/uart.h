@@ -1,6 +1,6 @@
 // The UART to the Raspberry Pi. The core's Serial has room for 63 bytes to send and waits when they are used up; the
-// first part of an answer to a topic request has 187. This one has room for 255 and never waits, so the loop always runs
-// on. Sending is rosserial/port.h.
+// first part of an answer to a topic request has 187. This one has room for 255 and never waits, so the loop always
+// runs on. Sending is rosserial/port.h.
 #pragma once
 
 #include <stdint.h>

@@ -1,9 +1,9 @@
 // A program that hangs, or whose RAM was disturbed, starts again by itself.
 //
-// Not by the watchdog's reset on a Nano with the old boot loader (ATmegaBOOT): that one leaves the watchdog on and would be
-// reset by it again and again, until somebody unplugs the robot. It is told by what it leaves behind: it is the only one
-// that starts a program with the cause of the reset still in MCUSR and its UART on. There the watchdog's interrupt starts
-// the program again; that helps as long as interrupts are on.
+// Not by the watchdog's reset on a Nano with the old boot loader (ATmegaBOOT): that one leaves the watchdog on and
+// would be reset by it again and again, until somebody unplugs the robot. It is told by what it leaves behind: it is
+// the only one that starts a program with the cause of the reset still in MCUSR and its UART on. There the watchdog's
+// interrupt starts the program again; that helps as long as interrupts are on.
 #pragma once
 
 #include <stdint.h>

@@ -9,8 +9,8 @@
 // All times are in units of 16 us: the board's clock gives them without a division.
 constexpr uint16_t LIGHT_UNIT_US = 16;
 
-// A receiver lengthens or shortens a mark by up to 160 us; the clock's unit and an interrupt that comes late add some 50.
-// Half the distance of a 0 to a 1 is 300 us.
+// A receiver lengthens or shortens a mark by up to 160 us; the clock's unit and an interrupt that comes late add
+// some 50. Half the distance of a 0 to a 1 is 300 us.
 constexpr uint16_t TOLERANCE_US = 220;
 
 // Darkness after the last bit, before a packet counts. It is longer than the longest space: a packet with more bits is
@@ -19,8 +19,8 @@ constexpr uint16_t END_US = 1600;
 
 class Decoder {
  public:
-  // The sensor saw light (or darkness) for `length` and then the opposite. Returns whether a packet has ended before it:
-  // hit() tells whose.
+  // The sensor saw light (or darkness) for `length` and then the opposite. Returns whether a packet has ended before
+  // it: hit() tells whose.
   bool feed(bool light, uint16_t length) {
     if (state_ == State::ENDING) {
       // The packet was whole: this is the darkness behind it.

@@ -9,7 +9,8 @@
 constexpr uint32_t PULSE_MS = 500;  // of plain light
 
 // Darkness between two shots, at least. Commands to shoot come every 25 ms: without it the plain light would be back at
-// once, and a receiver would take two pulses for a long one. A shot that comes so shortly before its time is fired then.
+// once, and a receiver would take two pulses for a long one. A shot that comes so shortly before its time is fired
+// then.
 constexpr uint32_t GAP_MS = 50;
 
 struct ShotTimes {

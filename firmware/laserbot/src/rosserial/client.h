@@ -72,9 +72,9 @@ class Client {
   uint32_t last_time_answer_ = 0;
   uint32_t last_board_ = 0;
   uint16_t round_trip_ = 0;
-  uint8_t unanswered_ = 0;       // questions for the time
-  uint8_t board_refused_ = 0;    // times that the host asked for the topics right after a message on `board`
-  uint8_t telling_ = NOTHING;    // index of the topic that is told next
+  uint8_t unanswered_ = 0;     // questions for the time
+  uint8_t board_refused_ = 0;  // times that the host asked for the topics right after a message on `board`
+  uint8_t telling_ = NOTHING;  // index of the topic that is told next
   bool configured_ = false;
   uint8_t responses_ = 0;
   uint8_t hits_waiting_ = 0;

@@ -74,8 +74,7 @@ void FrameWriter::string(const char *text) {
 void FrameWriter::end() { port::write(0xff - sum_); }
 
 void FrameParser::push(uint8_t byte) {
-  // Never true but for a disturbed RAM: a byte beyond the end would disturb more of it.
-  if (used_ >= sizeof bytes_) used_ = 0;
+  if (used_ >= sizeof bytes_) used_ = 0;  // as below
   bytes_[used_++] = byte;
   align();
 }
@@ -102,6 +101,8 @@ uint16_t FrameParser::length() const { return u16_at(bytes_ + LENGTH_AT); }
 const uint8_t *FrameParser::payload() const { return bytes_ + PAYLOAD_AT; }
 
 void FrameParser::drop(size_t count) {
+  // Never true but for a disturbed RAM: what is moved or written beyond the end would disturb more of it.
+  if (used_ > sizeof bytes_) used_ = 0;
   used_ = count < used_ ? used_ - count : 0;
   memmove(bytes_, bytes_ + count, used_);
 }

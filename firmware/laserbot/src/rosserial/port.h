@@ -1,5 +1,5 @@
-// Where frames go to: the UART, or a test's line. Plain functions and no pointer to an object: a pointer lies in the RAM,
-// and one wrong bit of it would make the robot mute.
+// Where frames go to: the UART, or a test's line. Plain functions and no pointer to an object: a pointer lies in the
+// RAM, and one wrong bit of it would make the robot mute.
 #pragma once
 
 #include <stddef.h>
