@@ -24,7 +24,8 @@ import segno
 
 from laser_bot_battle.addresses import reachable_addresses
 from laser_bot_battle.settings import Variable, describe, read_or_exit
-from laser_bot_battle.variables import ARENA, BIND, DATA, OPERATOR_TOKEN, ROS, ROSBRIDGE, ROSTER, WEB
+from laser_bot_battle.variables import ARENA, BIND, DATA, LIGHT, OPERATOR_TOKEN, ROS, ROSBRIDGE, ROSTER, WEB
+from sim.arena.ambient import Ambient, add_options
 from sim.arena.world import MAX_ROBOTS
 from sim.demo_settings import HOST, VARIABLES, Settings
 
@@ -60,7 +61,7 @@ def request(port: int, method: str, path: str, timeout: float = 1.0) -> tuple[in
 class Demo:
     """The running demo: the ROS master, roslaunch and all that it started."""
 
-    def __init__(self, robots: int, bots: int, settings: Settings, folder: Path) -> None:
+    def __init__(self, robots: int, bots: int, ambient: Ambient, settings: Settings, folder: Path) -> None:
         """`folder` is empty."""
         self.robots, self.bots, self.bind, self.ports = robots, bots, settings.bind, settings.ports
         for number in range(robots):
@@ -70,6 +71,7 @@ class Demo:
             BIND.name: settings.bind,
             **({OPERATOR_TOKEN.name: settings.new_token} if settings.new_token else {}),
             **{variable: str(port) for variable, port in settings.ports.items()},
+            LIGHT.name: settings.light,
             DATA.name: str(folder / "data"),
             # the number painted on each virtual robot is its ID
             ROSTER.name: " ".join(f"virtual{number}={number}" for number in range(robots)),
@@ -91,6 +93,7 @@ class Demo:
             f"robots:={robots}",
             f"bots:={bots}",
             f"run_dir:={folder}",
+            *([f"ambient:={ambient.options}"] if ambient.options else []),
         )
 
     def start(self, program: str, *arguments: str, ros_ip: str = HOST) -> subprocess.Popen[bytes]:
@@ -261,6 +264,7 @@ def main() -> int:
     )
     parser.add_argument("--robots", type=count, default=2, help="virtual robots with the real firmware (default 2)")
     parser.add_argument("--bots", type=count, default=1, help="robots that a program plays (default 1)")
+    add_options(parser)
     options = parser.parse_args()
     if options.bots > options.robots:
         parser.error(
@@ -274,7 +278,7 @@ def main() -> int:
     try:
         folder = empty_folder(settings.ports[WEB.name])
         say(f"Starting the battle: {counted(options.robots, 'virtual robot')}, {counted(options.bots, 'bot')} ...")
-        demo = Demo(options.robots, options.bots, settings, folder)
+        demo = Demo(options.robots, options.bots, Ambient.of(options), settings, folder)
         demo.wait_until_ready()
         say(
             f"\nReady. Open\n"

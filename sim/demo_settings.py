@@ -12,6 +12,7 @@ from laser_bot_battle.variables import (
     ARENA_LINK,
     BIND,
     LASERBOT,
+    LIGHT,
     OPERATOR_TOKEN,
     OPERATOR_TOKEN_FILE,
     ROS,
@@ -27,16 +28,17 @@ PORTS = {
     ARENA: "the arena's view",
     ARENA_LINK: "the robots' link to the arena",
 }
-VARIABLES: tuple[Variable[Any], ...] = (BIND, *PORTS, OPERATOR_TOKEN, OPERATOR_TOKEN_FILE)
+VARIABLES: tuple[Variable[Any], ...] = (BIND, *PORTS, LIGHT, OPERATOR_TOKEN, OPERATOR_TOKEN_FILE)
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the parts listen: the address, and the port of each by its variable's name; and who is an operator."""
+    """Where the parts listen: address, and port by its variable's name; who is an operator; what light robots use."""
 
     bind: str
     ports: Mapping[str, int]
     new_token: str = ""  # of the operators; "": the environment has one
+    light: str = "coded"  # of the robots
 
     @classmethod
     def from_env(cls, env: Mapping[str, str]) -> "Settings":
@@ -56,7 +58,7 @@ class Settings:
         for variable, what in PORTS.items():
             _check_free(bind, ports[variable.name], variable.name, what)
         has_token = OPERATOR_TOKEN.read(env) or OPERATOR_TOKEN_FILE.read(env)
-        return cls(bind, ports, "" if has_token else secrets.token_urlsafe(9))
+        return cls(bind, ports, "" if has_token else secrets.token_urlsafe(9), LIGHT.read(env, default="coded"))
 
 
 def _check_free(bind: str, port: int, variable: str, what: str) -> None:

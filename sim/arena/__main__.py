@@ -46,7 +46,7 @@ def main() -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_options(parser)
-    light = Ambient(**vars(parser.parse_args()))
+    light = Ambient.of(parser.parse_args())
     settings = read_or_exit("arena", Settings.from_env)
     configure_logging(settings.log_level)
     try:

@@ -1,7 +1,7 @@
 """Light that is no robot's: what a real floor has, shining on all robots. For play and for tests."""
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 US = 16  # cycles of the sources' clocks, which are as fast as the robots'
 SOURCE = 15  # number of the remote control among the sources of carriers; the robots have the lowest
@@ -18,6 +18,16 @@ class Ambient:
     lamp: bool = False
     sun: bool = False
     remote: bool = False
+
+    @classmethod
+    def of(cls, arguments: argparse.Namespace) -> "Ambient":
+        """What the options of add_options() say."""
+        return cls(**{field.name: getattr(arguments, field.name) for field in fields(cls)})
+
+    @property
+    def options(self) -> str:
+        """The options that say the same."""
+        return " ".join(f"--{field.name}" for field in fields(self) if getattr(self, field.name))
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

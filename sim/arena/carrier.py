@@ -10,21 +10,23 @@ MARKS = 15  # of a shot (MilesTag II): the header and 14 bits
 
 @dataclass
 class Carrier:
-    """The carrier of a robot's emitter. `seen_by`: names of the robots that see this mark, or saw the last one."""
+    """The carrier of a robot's emitter. The sets are names of robots: who sees this mark, and who has seen any yet."""
 
     on: bool = False
     seen_by: frozenset[str] = frozenset()
+    watched_by: frozenset[str] = frozenset()
+    _met: frozenset[str] = frozenset()  # who has seen all marks of the packet
     _edge: int = 0  # when the last one was
     _marks: int = 0  # of this packet
-    _met: frozenset[str] = frozenset()  # who has seen all of them
 
     def start(self, cycle: int, in_beam: Iterable[str]) -> None:
         """A mark begins, which `in_beam` see."""
         self.seen_by = frozenset(in_beam)
         if self._marks == MARKS or not 0 <= cycle - self._edge <= PAUSE:
-            self._marks, self._met = 0, self.seen_by
+            self._marks, self._met, self.watched_by = 0, self.seen_by, frozenset()
         self.on, self._edge = True, cycle
         self._met &= self.seen_by
+        self.watched_by |= self.seen_by
 
     def end(self, cycle: int) -> Set[str]:
         """The mark ends; returns whom a whole packet has met with it."""

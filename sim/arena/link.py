@@ -147,8 +147,8 @@ class Link:
                     self._tell(self._world.update_light())
                 case protocol.CarrierEdge(on, cycle):
                     now = asyncio.get_running_loop().time()
-                    for robot in self._world.switch_carrier(name, on, cycle, now):
-                        self._robots[robot.name].send(protocol.carrier(peer.source, on, cycle))
+                    for robot, seen in self._world.set_carrier(name, on, cycle, now):
+                        self._robots[robot.name].send(protocol.carrier(peer.source, seen, cycle))
 
     def _drop(self, name: str) -> None:
         del self._robots[name]

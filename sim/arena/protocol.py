@@ -5,17 +5,18 @@ r"""The link between a robot's hardware and the arena: ASCII lines, each ended b
 | `robot <name>` | first line; name = 1 to 32 of A-Z a-z 0-9 _ - |
 | `wheels <left> <right>` | cumulative signed half-steps since power-on |
 | `beam 1`, `beam 0` | the IR emitter gives plain light, does not |
-| `carrier 1 <cycle>`, `carrier 0 <cycle>` | it gives light of 38 kHz from then on, does not |
+| `carrier 1 <cycle>`, `carrier 0 <cycle>` | it gives light of 38 kHz from then on, does not; or still does, does not |
 
 | arena -> robot | meaning |
 |---|---|
 | `light 1`, `light 0` | plain light falls on it, does not; sent once after the hello and then when it changes |
 | `lamp 1` | a lamp falls on it: plain light that comes and goes 100 times a second |
-| `carrier <source> 1 <cycle>`, `carrier <source> 0 <cycle>` | light of 38 kHz falls on it, does not any more |
+| `carrier <source> 1 <cycle>`, `carrier <source> 0 <cycle>` | light of 38 kHz falls on it, does not; likewise |
 | `error <text>` | why the arena closes the connection now |
 
 Cycles are of the source's own clock, 16 a microsecond. Sources are numbers from 0 to 15. Whoever sees the first edge of
-one after a pause sees the others as much later as they were in its time.
+one after a pause sees the others as much later as they were in its time. During a packet a robot tells each ms how its
+carrier is, and who sees it waits for that: so a packet is seen as it was, however late the robots' programs are.
 """
 
 import re
@@ -50,7 +51,7 @@ class Beam:
 
 @dataclass(frozen=True)
 class CarrierEdge:
-    """The IR emitter's light of 38 kHz starts or ends at `cycle` of the robot's time."""
+    """The IR emitter's light of 38 kHz starts or ends at `cycle` of the robot's time, or is still on or off."""
 
     on: bool
     cycle: int
@@ -85,7 +86,7 @@ def lamp() -> bytes:
 
 
 def carrier(source: int, on: bool, cycle: int) -> bytes:
-    """The line that tells a robot of an edge of light of 38 kHz at `cycle` of the source's time."""
+    """The line that tells a robot what light of 38 kHz falls on it at `cycle` of the source's time."""
     return b"carrier %d %d %d\n" % (source, on, cycle)
 
 

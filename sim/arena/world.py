@@ -2,6 +2,7 @@
 
 import math
 import re
+from collections.abc import Set
 from dataclasses import dataclass, field
 
 from sim.arena.carrier import Carrier
@@ -99,23 +100,27 @@ class World:
     def set_beam(self, name: str, on: bool) -> None:
         self.robots[name].beam = on
 
-    def switch_carrier(self, name: str, on: bool, cycle: int, now: float) -> list[Robot]:
-        """The carrier starts or ends at `cycle` of the robot's time; returns the robots that see that.
+    def set_carrier(self, name: str, on: bool, cycle: int, now: float) -> list[tuple[Robot, bool]]:
+        """The carrier is on or off at `cycle` of the robot's time; returns whom that concerns, and if they see it.
 
         A robot that has seen all of a packet has a hit more. `now` is of the arena's clock (s).
         """
         shooter = self.robots[name]
-        if on == shooter.carrier.on:
-            return []
-        if on:
-            shooter.carrier.start(cycle, [robot.name for robot in self.robots.values() if self._meets(shooter, robot)])
-        whole = frozenset() if on else shooter.carrier.end(cycle)
-        shooter.flash_until = now + FLASH
-        seeing = [robot for robot in self.robots.values() if robot.name in shooter.carrier.seen_by]
-        for robot in seeing:
-            robot.lit_until = now + FLASH
+        carrier = shooter.carrier
+        is_edge = on != carrier.on
+        whole: Set[str] = frozenset()
+        if is_edge and on:
+            carrier.start(cycle, [robot.name for robot in self.robots.values() if self._meets(shooter, robot)])
+        elif is_edge:
+            whole = carrier.end(cycle)
+        if is_edge:
+            shooter.flash_until = now + FLASH
+        watching = [robot for robot in self.robots.values() if robot.name in carrier.watched_by]
+        for robot in watching:
             robot.hits += robot.name in whole
-        return seeing
+            if is_edge and robot.name in carrier.seen_by:
+                robot.lit_until = now + FLASH
+        return [(robot, on and robot.name in carrier.seen_by) for robot in watching]
 
     @property
     def any_light(self) -> bool:

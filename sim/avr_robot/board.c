@@ -10,6 +10,9 @@
 
 enum {
 	RIGHT_SHIFT = 4,        /* PD4..7 */
+	A0_PIN = 0,             /* PC0 */
+	DDRC = 0x27,            /* of the ATmega328P */
+	PORTC = 0x28,
 	UNCHECKED_CYCLES = 256, /* simavr looks up from the program at most as late: twice as fast */
 };
 
@@ -87,16 +90,36 @@ static avr_irq_t *port_irq(avr_t *avr, char port, int index)
 	return avr_io_getirq(avr, (uint32_t)AVR_IOCTL_IOPORT_GETIRQ(port), index);
 }
 
-static void connect_voltages(avr_t *avr, const struct voltages *voltages)
+static avr_irq_t *adc_irq(avr_t *avr, int index)
 {
-	avr->vcc = avr->avcc = avr->aref = voltages->supply;
-	avr_raise_irq(avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, ADC_IRQ_ADC0), voltages->a0);
+	return avr_io_getirq(avr, AVR_IOCTL_ADC_GETIRQ, index);
+}
+
+/* A pin to which nothing is connected shows the supply while its pull-up is on. */
+static void conversion_started(avr_irq_t *irq, uint32_t value, void *param)
+{
+	const struct board *board = param;
+	const struct voltages *voltages = &board->voltages;
+	const bool pulled_up = board->avr->data[PORTC] & ~board->avr->data[DDRC] & 1u << A0_PIN;
+
+	(void)irq;
+	(void)value;
+	avr_raise_irq(adc_irq(board->avr, ADC_IRQ_ADC0), voltages->a0 == 0 && pulled_up ? voltages->supply : voltages->a0);
+}
+
+static void connect_voltages(struct board *board)
+{
+	avr_t *avr = board->avr;
+
+	avr->vcc = avr->avcc = avr->aref = board->voltages.supply;
+	avr_irq_register_notify(adc_irq(avr, ADC_IRQ_OUT_TRIGGER), conversion_started, board);
 }
 
 bool board_init(struct board *board, const struct firmware_image *image, const struct board_options *options,
                 struct trace *trace)
 {
-	*board = (struct board){.trace = trace, .left = {.name = "left"}, .right = {.name = "right"}};
+	*board = (struct board){
+		.trace = trace, .voltages = options->voltages, .left = {.name = "left"}, .right = {.name = "right"}};
 	stepper_init(&board->left.stepper);
 	stepper_init(&board->right.stepper);
 
@@ -117,7 +140,7 @@ bool board_init(struct board *board, const struct firmware_image *image, const s
 		fputs("avr_robot: this simavr has no UART0\n", stderr);
 		return false;
 	}
-	connect_voltages(avr, &options->voltages);
+	connect_voltages(board);
 	emitter_init(&board->emitter, avr, trace);
 	receiver_init(&board->receiver, avr, options->demodulates, trace);
 	avr_irq_register_notify(port_irq(avr, 'B', IOPORT_IRQ_REG_PORT), port_b_level, board);

@@ -34,6 +34,7 @@ struct board {
 	struct avr_t *avr;
 	void (*run)(struct avr_t *avr); /* simavr's way to run it, unless its watchdog wants a reset */
 	struct trace *trace;
+	struct voltages voltages;
 	struct uart uart;
 	struct port port_b, port_d;
 	struct wheel left, right;

@@ -47,6 +47,13 @@ static bool is_carrier(const avr_t *avr)
 	       avr->frequency <= (CARRIER_HZ + TOLERANCE_HZ) * period;
 }
 
+static void note(struct emitter *emitter)
+{
+	if (emitter->edges_length < EMITTER_EDGES)
+		emitter->edges[emitter->edges_length++] =
+			(struct carrier_edge){.cycle = emitter->avr->cycle, .on = emitter->carrier};
+}
+
 static void update(struct emitter *emitter)
 {
 	avr_t *avr = emitter->avr;
@@ -60,8 +67,9 @@ static void update(struct emitter *emitter)
 	if (carrier != emitter->carrier) {
 		emitter->carrier = carrier;
 		trace_event(emitter->trace, avr->cycle, "carrier %d", carrier);
-		if (emitter->edges_length < EMITTER_EDGES)
-			emitter->edges[emitter->edges_length++] = (struct carrier_edge){.cycle = avr->cycle, .on = carrier};
+		emitter->last_edge = avr->cycle;
+		emitter->in_packet = true;
+		note(emitter);
 	}
 }
 
@@ -108,6 +116,14 @@ void emitter_drive(struct emitter *emitter, uint8_t level, uint8_t output)
 	emitter->level = level >> EMITTER_PIN & 1;
 	emitter->output = output >> EMITTER_PIN & 1;
 	update(emitter);
+}
+
+void emitter_confirm(struct emitter *emitter)
+{
+	if (!emitter->in_packet)
+		return;
+	emitter->in_packet = emitter->avr->cycle - emitter->last_edge < PACKET_DARKNESS;
+	note(emitter); /* also what ends the packet */
 }
 
 void emitter_clear_edges(struct emitter *emitter)

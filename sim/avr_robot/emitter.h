@@ -13,9 +13,12 @@
 
 struct avr_t;
 
-enum { EMITTER_EDGES = 64 }; /* far more than a transmitter for people's eyes and ears makes in a slice */
+enum {
+	EMITTER_EDGES = 64,      /* far more than a transmitter makes in a slice */
+	PACKET_DARKNESS = 48000, /* cycles (3 ms) without an edge: longer than any mark or space of a packet */
+};
 
-/* The carrier starts or ends. */
+/* The carrier starts or ends at `cycle`; or, if nothing has changed, is still on or off then. */
 struct carrier_edge {
 	uint64_t cycle;
 	bool on;
@@ -26,6 +29,8 @@ struct emitter {
 	struct trace *trace;
 	bool output, level; /* PD3's bits of DDRD and PORTD */
 	bool plain, carrier; /* how it shines; never both */
+	uint64_t last_edge;
+	bool in_packet;
 	struct carrier_edge edges[EMITTER_EDGES];
 	size_t edges_length;
 };
@@ -37,6 +42,9 @@ void emitter_reset(struct emitter *emitter);
 
 /* PORTD and DDRD are now `level` and `output`. */
 void emitter_drive(struct emitter *emitter, uint8_t level, uint8_t output);
+
+/* Within a packet, add to `edges` how it is now, so that who sees it knows that no edge has been missed. */
+void emitter_confirm(struct emitter *emitter);
 
 /* Forget `edges` after passing them on. */
 void emitter_clear_edges(struct emitter *emitter);

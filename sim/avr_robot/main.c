@@ -17,6 +17,8 @@ enum {
 	SLICE_CYCLES = AVR_HZ / 1000,
 	LIGHTS_PER_SLICE = 8,             /* light changes at most every 125 us, so that no pulse is too short to exist */
 	CATCH_UP_NS = 100 * SLICE_NS,     /* lost time that is caught up: a busy moment, not a suspended machine */
+	NEWS_NS = SLICE_NS / 5,           /* how often the AVR looks for the news of a light that it waits for */
+	NEWS_PATIENCE = CATCH_UP_NS / NEWS_NS, /* times */
 	TICK_CYCLES = AVR_HZ / 100,       /* of the trace */
 	REPORT_EVERY_SLICES = 10000,      /* time given up is reported at most as often */
 };
@@ -87,10 +89,26 @@ static void see(struct robot *robot)
 	}
 }
 
+/* A computer that runs this robot now and the shooter later would else damage the shooter's packet. */
+static void wait_for_news(struct robot *robot, uint64_t end)
+{
+	struct receiver *receiver = &robot->board.receiver;
+
+	see(robot);
+	for (int patience = NEWS_PATIENCE; receiver_has_to_wait(receiver, end); patience--) {
+		if (patience == 0)
+			receiver_give_up(receiver);
+		else
+			nanosleep(&(struct timespec){.tv_nsec = NEWS_NS}, NULL);
+		see(robot);
+	}
+}
+
 static void report(struct robot *robot)
 {
 	struct board *board = &robot->board;
 
+	emitter_confirm(&board->emitter);
 	arena_link_send_edges(robot->arena, board->emitter.edges, board->emitter.edges_length);
 	arena_link_publish(robot->arena, board->left.stepper.position, board->right.stepper.position, board->emitter.plain);
 }
@@ -101,6 +119,8 @@ static bool run_slice(struct robot *robot, uint64_t end)
 	struct board *board = &robot->board;
 	bool alive = true;
 
+	if (robot->arena)
+		wait_for_news(robot, end);
 	read_line(robot);
 	for (int part = LIGHTS_PER_SLICE - 1; part >= 0 && alive; part--) {
 		if (robot->arena)

@@ -13,7 +13,7 @@ struct address {
 };
 
 struct voltages {
-	uint32_t supply, a0; /* mV: of the AVR and its ADC; on the pin A0 */
+	uint32_t supply, a0; /* mV: of the AVR and its ADC; on the pin A0, where 0 is nothing connected */
 };
 
 struct board_options {

@@ -1,5 +1,7 @@
 #include "receiver.h"
 
+#include "emitter.h"
+
 #include <inttypes.h>
 #include <string.h>
 
@@ -15,7 +17,7 @@ enum {
 	SENSOR_PIN = 2,  /* PD2 */
 	INT0_VECTOR = 1, /* of the ATmega328P */
 	CYCLES_PER_MS = 16000,
-	LIGHT_DELAY = 5 * CYCLES_PER_MS,
+	LIGHT_DELAY = 4 * CYCLES_PER_MS,
 	PAUSE = 15 * CYCLES_PER_MS,     /* no protocol is dark for so long within a packet */
 	LONGEST_MARK = 50 * CYCLES_PER_MS,
 	LENGTHENING = CYCLES_PER_MS / 20, /* of a mark, by a demodulator */
@@ -109,19 +111,44 @@ void receiver_carrier(struct receiver *receiver, unsigned number, uint64_t cycle
 	const uint64_t now = receiver->avr->cycle;
 	uint64_t due = cycle + source->shift;
 
-	if (!source->heard || cycle < source->last || (on && cycle - source->last > PAUSE)) {
+	if (on == source->told) {
+		source->known = cycle;
+		return;
+	}
+	if (!source->heard || cycle < source->edge || (on && cycle - source->edge > PAUSE)) {
 		due = now + LIGHT_DELAY;
 	} else if (due < now) { /* the rest of the packet is as late as this */
 		trace_event(receiver->trace, now, "late %" PRIu64, now - due);
 		due = now;
 	}
 	source->heard = true;
-	source->last = cycle;
+	source->told = on;
+	source->edge = source->known = cycle;
 	source->shift = due - cycle;
 	due += receiver->demodulates && !on ? LENGTHENING : 0;
 	source->ready = due > source->ready ? due : source->ready; /* no edge overtakes another */
 	insert(receiver, (struct seen_edge){.due = source->ready, .source = number, .on = on});
 	set_timer(receiver);
+}
+
+static bool has_to_wait(const struct light_source *source, uint64_t cycle)
+{
+	return source->heard && source->known - source->edge < PACKET_DARKNESS && source->known + source->shift < cycle;
+}
+
+bool receiver_has_to_wait(const struct receiver *receiver, uint64_t cycle)
+{
+	for (unsigned source = 0; source < LIGHT_SOURCES; source++)
+		if (has_to_wait(&receiver->sources[source], cycle))
+			return true;
+	return false;
+}
+
+void receiver_give_up(struct receiver *receiver)
+{
+	for (unsigned source = 0; source < LIGHT_SOURCES; source++)
+		if (has_to_wait(&receiver->sources[source], UINT64_MAX))
+			receiver->sources[source].heard = false;
 }
 
 void receiver_light_lamp(struct receiver *receiver)
@@ -213,9 +240,9 @@ void receiver_reset(struct receiver *receiver)
 
 void receiver_keep_going(struct receiver *receiver)
 {
-	for (unsigned source = 0; source < LIGHT_SOURCES; source++)
-		if (receiver->sources[source].on && receiver->avr->cycle - receiver->sources[source].on_since > LONGEST_MARK)
-			receiver->sources[source].on = false; /* its source has gone, or is none that a demodulator would follow */
+	for (struct light_source *source = receiver->sources; source < receiver->sources + LIGHT_SOURCES; source++)
+		if (source->on && receiver->avr->cycle - source->on_since > LONGEST_MARK)
+			source->on = source->told = false; /* it has gone, or is none that a demodulator would follow */
 	update(receiver);
 	revive_interrupt(receiver);
 }

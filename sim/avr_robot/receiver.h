@@ -5,7 +5,8 @@
  * but carriers of 38 kHz, and what it puts out lasts a little longer than what it sees.
  *
  * Carriers come from sources with clocks of their own. The first edge after a pause is seen LIGHT_DELAY later, so that
- * slow networks do no harm; the following ones as much later as they were in the source's time.
+ * slow networks do no harm; the following ones as much later as they were in the source's time. Within a packet, the AVR
+ * must not run ahead of what is known of its source.
  */
 #ifndef AVR_ROBOT_RECEIVER_H
 #define AVR_ROBOT_RECEIVER_H
@@ -33,11 +34,13 @@ struct seen_edge {
 };
 
 struct light_source {
-	uint64_t last;   /* the newest edge: cycles in the source's time */
+	uint64_t edge;   /* the newest one: cycles in the source's time */
+	uint64_t known;  /* and until when it is known that no other has followed */
 	uint64_t shift;  /* from its time to ours, modulo 2^64 */
 	uint64_t ready;  /* cycle at which its newest edge is seen */
 	bool heard;      /* there is a newest edge */
-	bool on;
+	bool told;       /* whether it was a start */
+	bool on;         /* as it is seen */
 	uint64_t on_since; /* cycle */
 };
 
@@ -69,8 +72,14 @@ void receiver_shine(struct receiver *receiver, bool light);
 /* A lamp is there from now on: plain light that comes and goes with the mains, 100 times a second. */
 void receiver_light_lamp(struct receiver *receiver);
 
-/* The carrier of `source` < LIGHT_SOURCES starts or ends at `cycle` of its own time. */
+/* The carrier of `source` < LIGHT_SOURCES starts or ends at `cycle` of its own time, or is still on or off then. */
 void receiver_carrier(struct receiver *receiver, unsigned source, uint64_t cycle, bool on);
+
+/* Whether the AVR has to wait for news of a source before it may run until `cycle`. */
+bool receiver_has_to_wait(const struct receiver *receiver, uint64_t cycle);
+
+/* Do not wait any longer: what comes late is seen late. */
+void receiver_give_up(struct receiver *receiver);
 
 /* There is no light at all any more. */
 void receiver_darken(struct receiver *receiver);

@@ -24,13 +24,18 @@ def world() -> World:
     return world
 
 
-def flash(world: World, name: str, start: int, marks: int = MARKS) -> list[tuple[int, bool, list[str]]]:
-    """Marks from `start` on; when which robots saw what."""
+def flash(world: World, name: str, start: int, marks: int = MARKS) -> list[tuple[int, bool, dict[str, bool]]]:
+    """Marks from `start` on; when which robots were told what."""
     seen = []
     for n in range(marks):
         for cycle, on in ((start + n * (MARK + SPACE), True), (start + n * (MARK + SPACE) + MARK, False)):
-            seen.append((cycle, on, [robot.name for robot in world.switch_carrier(name, on, cycle, 0.0)]))
+            seen.append((cycle, on, told(world, name, on, cycle)))
     return seen
+
+
+def told(world: World, name: str, on: bool, cycle: int) -> dict[str, bool]:
+    """Who is told what of a carrier."""
+    return {robot.name: seen for robot, seen in world.set_carrier(name, on, cycle, 0.0)}
 
 
 def hits(world: World) -> dict[str, int]:
@@ -39,10 +44,10 @@ def hits(world: World) -> dict[str, int]:
 
 def test_each_edge_is_for_the_robot_in_the_beam(world: World) -> None:
     assert flash(world, "a", 0, marks=2) == [
-        (0, True, ["b"]),
-        (MARK, False, ["b"]),
-        (MARK + SPACE, True, ["b"]),
-        (2 * MARK + SPACE, False, ["b"]),
+        (0, True, {"b": True}),
+        (MARK, False, {"b": False}),
+        (MARK + SPACE, True, {"b": True}),
+        (2 * MARK + SPACE, False, {"b": False}),
     ]
 
 
@@ -57,33 +62,45 @@ def test_a_whole_packet_is_a_hit(world: World) -> None:
 def test_a_packet_that_lights_a_robot_for_a_part_of_it_is_none(world: World) -> None:
     flash(world, "a", 0, marks=3)
     world.robots["b"].pose = Pose(1, 1.6, 0)
-    assert flash(world, "a", 3 * (MARK + SPACE), marks=1)[0] == (3 * (MARK + SPACE), True, [])
+    assert flash(world, "a", 3 * (MARK + SPACE), marks=1)[0] == (3 * (MARK + SPACE), True, {"b": False})
     world.robots["b"].pose = Pose(1, 1, 0)
     flash(world, "a", 4 * (MARK + SPACE), marks=MARKS - 4)
     assert hits(world)["b"] == 0
 
 
 def test_who_has_seen_a_mark_begin_sees_its_end(world: World) -> None:
-    world.switch_carrier("a", True, 0, 0.0)
+    world.set_carrier("a", True, 0, 0.0)
     away = round(0.6 / METRES_PER_HALF_STEP)
     world.robots["b"].pose = Pose(1, 1, math.pi / 2)
     world.turn_wheels("b", -away, away)
-    assert [robot.name for robot in world.switch_carrier("a", False, MARK, 0.0)] == ["b"]
+    assert told(world, "a", False, MARK) == {"b": False}
 
 
 def test_a_robot_that_leaves_within_a_packet_takes_no_part(world: World) -> None:
-    world.switch_carrier("a", True, 0, 0.0)
+    world.set_carrier("a", True, 0, 0.0)
     world.leave("b")
-    assert world.switch_carrier("a", False, MARK, 0.0) == []
-    world.switch_carrier("a", True, MARK + SPACE, 0.0)
+    assert told(world, "a", False, MARK) == {}
+    world.set_carrier("a", True, MARK + SPACE, 0.0)
     world.leave("a")
     assert world.arrive("a").carrier.on is False
 
 
-def test_the_same_state_twice_is_no_edge(world: World) -> None:
-    assert world.switch_carrier("a", False, 0, 0.0) == []
-    assert world.switch_carrier("a", True, 10, 0.0) != []
-    assert world.switch_carrier("a", True, 20, 0.0) == []
+def test_a_state_that_is_told_again_is_no_edge_but_news(world: World) -> None:
+    assert told(world, "a", False, 0) == {}
+    assert told(world, "a", True, 10) == {"b": True}
+    world.robots["b"].pose = Pose(1, 1.6, 0)
+    assert told(world, "a", True, 20) == {"b": True}
+    flash(world, "a", MARK, marks=MARKS - 1)
+    assert hits(world)["b"] == 0
+
+
+def test_a_robot_that_has_seen_a_part_of_a_packet_hears_of_its_rest_only(world: World) -> None:
+    flash(world, "a", 0)
+    world.robots["b"].pose = Pose(1, 1.6, 0)
+    assert flash(world, "a", CYCLES_PER_SECOND, marks=1) == [
+        (CYCLES_PER_SECOND, True, {}),
+        (CYCLES_PER_SECOND + MARK, False, {}),
+    ]
 
 
 def test_a_key_of_a_remote_control_is_a_frame_of_nec_and_two_repeats() -> None:

@@ -40,6 +40,12 @@ def test_the_operators_desk_comes_with_a_token_of_its_own_or_with_yours(monkeypa
     assert desk(yours) == "http://localhost:5000/operator   the operator's desk, with your token"
 
 
+def test_a_demo_plays_with_coded_light_unless_the_environment_says_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo_settings, "_check_free", lambda *_: None)
+    assert Settings.from_env({}).light == "coded"
+    assert Settings.from_env({"LASERBOT_LIGHT": "plain"}).light == "plain"
+
+
 def test_an_open_one_names_all_addresses() -> None:
     text = "In this network the game is at\n  http://192.168.178.123:5000   http://10.9.0.1:5000\n"
     assert from_the_network(Settings("0.0.0.0", PORTS)) == text

@@ -21,8 +21,8 @@ def test_a_coded_shot_is_shown_for_as_long_as_eyes_need() -> None:
     world = World(BATTLE_FLOOR)
     world.arrive("a0").pose = Pose(0.3, 0.15, 0)
     world.arrive("b1").pose = Pose(0.7, 0.15, 0)
-    world.switch_carrier("a0", True, 0, now=100.0)
-    world.switch_carrier("a0", False, 38_400, now=100.002)
+    world.set_carrier("a0", True, 0, now=100.0)
+    world.set_carrier("a0", False, 38_400, now=100.002)
 
     def shown(now: float) -> list[tuple[bool, bool]]:
         return [(robot["beam"], robot["lit"]) for robot in state_message(world, now)["robots"]]
