@@ -3,6 +3,7 @@
 #include "board.h"
 #include "bootloader.h"
 #include "options.h"
+#include "priority.h"
 #include "serial_line.h"
 
 #include <errno.h>
@@ -128,6 +129,7 @@ int main(int argc, char **argv)
 	sigaddset(&end_signals, SIGTERM);
 	sigprocmask(SIG_BLOCK, &end_signals, NULL);
 	signal(SIGPIPE, SIG_IGN);
+	priority_take();
 
 	if (!image || !firmware_image_read(image, options.firmware) ||
 	    (options.bootloader && !bootloader_read(image, options.bootloader)) ||
