@@ -13,7 +13,6 @@ its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 import argparse
 import contextlib
 import logging
-import os
 import secrets
 import signal
 import sys

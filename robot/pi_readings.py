@@ -36,8 +36,7 @@ class PiReadings:
         return 0
 
     def under_voltage(self) -> bool:
-        """Whether the supply is too low now, as the firmware says by the kernel's driver rpi_volt, or by a file of older
-        kernels."""
+        """Whether the supply is too low now: by the kernel's driver rpi_volt, or by a file of older kernels."""
         for name in sorted((self._sys / "class/hwmon").glob("hwmon*/name")):
             if _text(name).strip() == "rpi_volt":
                 return _whole(name.with_name("in0_lcrit_alarm")) == 1

@@ -61,7 +61,9 @@ def main() -> int:
         ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("device", nargs="?", help="path of the serial device, or a pyserial URL such as socket://host:port")
+    parser.add_argument(
+        "device", nargs="?", help="path of the serial device, or a pyserial URL such as socket://host:port"
+    )
     parser.add_argument("--end-with-stdin", action="store_true", help="end when stdin does: its writer is gone")
     arguments = parser.parse_args(rospy.myargv()[1:])
     settings = Settings.load(PROGRAM)

@@ -1,6 +1,7 @@
 """What a device is told of a ROS parameter: rosserial_msgs/RequestParam, lists of int32, float32 and strings."""
 
 import struct
+from typing import Any
 
 from robot.rosserial.frame import encode
 from robot.rosserial.ids import PARAMETER
@@ -8,7 +9,7 @@ from robot.rosserial.ids import PARAMETER
 NOTHING = encode(PARAMETER, bytes(12))  # spares a sketch that waits its time-out
 
 
-def answer(value: object) -> bytes:
+def answer(value: Any) -> bytes:
     """The frame for a value of the parameter server: a number, a truth (0 or 1), a string, or a list of one of these.
 
     ValueError for other values, and for numbers that do not fit.
@@ -29,5 +30,5 @@ def answer(value: object) -> bytes:
     raise ValueError(f"{value!r} is not a number, a string, or a list of either")
 
 
-def _numbers(code: str, values: list[object]) -> bytes:
+def _numbers(code: str, values: list[Any]) -> bytes:
     return struct.pack(f"<I{len(values)}{code}", len(values), *values)

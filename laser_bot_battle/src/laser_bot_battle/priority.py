@@ -1,5 +1,5 @@
-"""A priority above all usual programs, for those between a player's key and a robot's wheels: what is late there is late
-because it waits for a processor. It is taken where the system grants it (docs/lan.md says how), and not needed."""
+"""A priority above all usual programs, for those between a player's key and a robot's wheels: what is late there is
+late because it waits for a processor. It is taken where the system grants it (docs/lan.md says how), and not needed."""
 
 import contextlib
 import logging

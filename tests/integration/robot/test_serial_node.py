@@ -23,6 +23,7 @@ BACK_LEFT_SHOOT = bytes.fromhex("ff fe 03 00 fc 64 00 ff ff 01 9c")
 NEUTRAL = bytes.fromhex("ff fe 03 00 fc 64 00 00 00 00 9b")
 HIT = bytes.fromhex("ff fe 00 00 ff 7d 00 82")
 
+
 def publish(start: Start, topic: str, command: str, period: float = 0.025, count: int = 1) -> Program:
     return start("tests.integration.robot.peers", "publish", topic, str(period), str(count), *command.split())
 

@@ -81,9 +81,7 @@ def test_the_device_calls_a_service_of_ros(start: Start, tmp_path: Path) -> None
         until(lambda: device.payloads(102) == [b"\1" + string("from ROS")], 20)
 
 
-def test_the_device_gets_the_parameters_of_the_ros_master(
-    start: Start, device: Device, ros_master: RosMaster
-) -> None:
+def test_the_device_gets_the_parameters_of_the_ros_master(start: Start, device: Device, ros_master: RosMaster) -> None:
     master = Master(ros_master.uri, "test")
     for name, value in {"gain": [1, -2], "scale": 0.5, "title": ["a", "bc"], "on": True}.items():
         master.call("setParam", f"/{name}", value)

@@ -1,4 +1,5 @@
 import dataclasses
+from typing import Any
 
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
@@ -18,7 +19,7 @@ GOOD = LineState(silence=1.2, mute=False, broken_frames=0, stray_bytes=3, droppe
         ({"silence": None}, DiagnosticStatus.ERROR, "the device has not answered yet"),
     ],
 )
-def test_the_level_says_how_bad_it_is(changes: dict[str, object], level: int, message: str) -> None:
+def test_the_level_says_how_bad_it_is(changes: dict[str, Any], level: int, message: str) -> None:
     told = status(dataclasses.replace(GOOD, **changes), "/Robot0", "/dev/ttyACM0")
     assert (told.name, told.hardware_id) == ("Robot0: serial line", "/dev/ttyACM0")
     assert (told.level, told.message) == (level, message)

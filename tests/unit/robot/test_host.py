@@ -2,7 +2,6 @@ import struct
 
 import pytest
 
-from robot.rosserial.frame import encode
 from robot.rosserial.announcements import MAX_TOPICS
 from robot.rosserial.events import (
     DeviceCalls,
@@ -18,6 +17,7 @@ from robot.rosserial.events import (
     Send,
     ServiceInfo,
 )
+from robot.rosserial.frame import encode
 from robot.rosserial.host import ANSWER_TIMEOUT, Host
 from robot.rosserial.topic_info import TopicInfo
 
