@@ -129,7 +129,6 @@ int main(int argc, char **argv)
 	sigaddset(&end_signals, SIGTERM);
 	sigprocmask(SIG_BLOCK, &end_signals, NULL);
 	signal(SIGPIPE, SIG_IGN);
-	priority_take();
 
 	if (!image || !firmware_image_read(image, options.firmware) ||
 	    (options.bootloader && !bootloader_read(image, options.bootloader)) ||
@@ -139,6 +138,7 @@ int main(int argc, char **argv)
 	robot.line = options.tcp ? serial_tcp_open(&options.listen) : serial_pty_open(options.pty_link, options.bootloader);
 	if (!robot.line)
 		return 2;
+	priority_take(); /* before the arena's thread starts */
 	if (options.arena && !(robot.arena = arena_link_start(&options.arena_address, options.name)))
 		return 1;
 	fprintf(stderr, "avr_robot %s: UART at %s\n", options.name, robot.line->address);
