@@ -4,12 +4,21 @@ Each is in a process group of its own, so that Ctrl-C reaches the supervisor onl
 """
 
 import os
+import select
 import subprocess
 import sys
 import time
 from collections.abc import Callable
 
-from laser_bot_battle.names import command_topic, key_digest, response_topic, robot_node
+from laser_bot_battle.names import (
+    command_topic,
+    hit_topic,
+    identify_topic,
+    key_digest,
+    response_topic,
+    robot_node,
+    setup_topic,
+)
 from laser_bot_battle.place import Place
 
 POLL = 0.05  # s
@@ -35,6 +44,9 @@ class SerialNode:
                 f"__name:={robot_node(robot_id)}",
                 f"command:={command_topic(robot_id)}",
                 f"response:={response_topic(robot_id)}",
+                f"hit:={hit_topic(robot_id)}",
+                f"setup:={setup_topic(robot_id)}",
+                f"identify:={identify_topic(robot_id)}",
             ],
             env={**os.environ, **place.environment()},
             stdin=subprocess.PIPE,
@@ -56,7 +68,7 @@ class SerialNode:
 def register(place: Place, key: str, wanted: Callable[[], bool]) -> int:
     """Ask the server there for this robot's ID, whose pings will show `key`; RegistrationError says why there is none.
 
-    Gives up as soon as `wanted` says no.
+    Gives up as soon as `wanted` says no, and returns as soon as the ID is there: the server waits for the first ping.
     """
     process = subprocess.Popen(
         [sys.executable, "-m", "robot.register", key_digest(key)],
@@ -64,30 +76,40 @@ def register(place: Place, key: str, wanted: Callable[[], bool]) -> int:
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
-        text=True,
         process_group=0,
     )
     try:
-        deadline = time.monotonic() + ANSWER_TIMEOUT
-        while process.poll() is None:
-            if not wanted():
-                raise RegistrationError("not needed any more")
-            if time.monotonic() > deadline:
-                raise RegistrationError(f"no answer from the ROS master or the server within {ANSWER_TIMEOUT:g} s")
-            time.sleep(POLL)
-        answer, errors = process.communicate()
+        return _answer(process, wanted)
     finally:
+        process.kill()  # it has nothing to tidy up, and on a slow machine would take a second to end
         stop(process)
-    if process.returncode != 0:
-        lines = errors.strip().splitlines()
-        raise RegistrationError(lines[-1] if lines else f"robot.register ended with exit code {process.returncode}")
-    last = answer.strip().rpartition("\n")[2]
-    if not (last.isascii() and last.isdigit()):
-        raise RegistrationError(f"the server answered with the ID {last or 'nothing'}")
-    return int(last)
 
 
-def stop(process: "subprocess.Popen[str] | subprocess.Popen[bytes]") -> None:
+def _answer(process: "subprocess.Popen[bytes]", wanted: Callable[[], bool]) -> int:
+    """The ID that it prints, or RegistrationError."""
+    assert process.stdout
+    deadline = time.monotonic() + ANSWER_TIMEOUT
+    said = b""
+    while not said.endswith(b"\n"):
+        if not wanted():
+            raise RegistrationError("not needed any more")
+        if time.monotonic() > deadline:
+            raise RegistrationError(f"no answer from the ROS master or the server within {ANSWER_TIMEOUT:g} s")
+        if select.select([process.stdout], [], [], POLL)[0]:
+            data = os.read(process.stdout.fileno(), 4096)
+            if not data:
+                break
+            said += data
+    last = said.decode(errors="replace").strip().rpartition("\n")[2]
+    if last.isascii() and last.isdigit():
+        return int(last)
+    if last:
+        raise RegistrationError(f"the server answered with the ID {last}")
+    errors = process.communicate()[1].decode(errors="replace").strip().splitlines()
+    raise RegistrationError(errors[-1] if errors else f"robot.register ended with exit code {process.returncode}")
+
+
+def stop(process: "subprocess.Popen[bytes]") -> None:
     """End a child: politely, then by force."""
     if process.poll() is None:
         process.terminate()

@@ -1,4 +1,4 @@
-"""The ROS side of the device's topics: rospy publishers for what it publishes, subscribers for what it subscribes."""
+"""The ROS side of the device's topics: a publisher for what it publishes, a subscriber for what it subscribes."""
 
 import io
 import logging
@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import genpy
-import rosgraph.names
 import rospy
 
 from robot.message_types import message_class
@@ -15,61 +14,71 @@ from robot.rosserial.topic_info import TopicInfo
 _log = logging.getLogger(__name__)
 
 
-class DeviceTopics:
-    """Owned by one thread; `on_command(topic, payload)` is called from rospy's threads."""
+class PublishedTopic:
+    """What the device publishes is published in ROS; ValueError if it has a type that cannot be."""
 
-    def __init__(self, on_command: Callable[[TopicInfo, bytes], None]) -> None:
-        self._on_command = on_command
-        self._known: dict[int, TopicInfo] = {}
-        self._endpoints: dict[int, Any] = {}  # rospy.Publisher or rospy.Subscriber
-        self._types: dict[int, Any] = {}
+    def __init__(self, info: TopicInfo) -> None:
+        self._kind = message_class(info)
+        self._publisher = rospy.Publisher(info.topic_name, self._kind, queue_size=10, tcp_nodelay=True)
+        self.name = self._publisher.resolved_name
 
-    def publish_for(self, info: TopicInfo) -> None:
-        """Make ready for messages that the device will publish."""
-        self._open(info, lambda kind: rospy.Publisher(info.topic_name, kind, queue_size=10, tcp_nodelay=True))
+    def receive(self, payload: bytes) -> None:
+        message = deserialised(self._kind, payload, self.name)
+        if message is not None:
+            self._publisher.publish(message)
 
-    def subscribe_for(self, info: TopicInfo) -> None:
-        """Have what ROS publishes on the topic handed to `on_command`, of several waiting messages only the newest."""
+    def close(self) -> None:
+        self._publisher.unregister()
 
+
+class TakenTopic:
+    """What the device publishes is handed to this node; ValueError if it has another version of the type."""
+
+    def __init__(self, info: TopicInfo, take: Callable[[Any], None]) -> None:
+        self._kind = message_class(info)
+        self._take = take
+        self.name = info.topic_name
+
+    def receive(self, payload: bytes) -> None:
+        message = deserialised(self._kind, payload, self.name)
+        if message is not None:
+            self._take(message)
+
+    def close(self) -> None:
+        """Nothing in ROS knows of it."""
+
+
+class SubscribedTopic:
+    """What ROS publishes on the topic is handed to `on_command(info, payload)`, of several waiting messages only the
+    newest; ValueError if it has a type that cannot be."""
+
+    def __init__(self, info: TopicInfo, on_command: Callable[[TopicInfo, bytes], None]) -> None:
         def received(message: genpy.Message) -> None:
-            self._on_command(info, serialised(message))
+            on_command(info, serialised(message))
 
-        self._open(info, lambda kind: rospy.Subscriber(info.topic_name, kind, received, queue_size=1, tcp_nodelay=True))
+        kind = message_class(info)
+        self._subscriber = rospy.Subscriber(info.topic_name, kind, received, queue_size=1, tcp_nodelay=True)
+        self.name = self._subscriber.resolved_name
 
-    def publish(self, topic_id: int, payload: bytes) -> None:
-        """Publish a message of the device; nothing happens for a topic that was refused."""
-        publisher = self._endpoints.get(topic_id)
-        if publisher is None:
-            return
-        message = self._types[topic_id]()
-        try:
-            message.deserialize(payload)
-        except genpy.DeserializationError as error:
-            _log.warning("message of %d bytes on %s dropped: %s", len(payload), publisher.resolved_name, error)
-            return
-        publisher.publish(message)
+    def receive(self, payload: bytes) -> None:
+        """A device sends nothing on what it subscribes to."""
 
-    def _open(self, info: TopicInfo, make: Callable[[Any], Any]) -> None:
-        """A known topic stays as it is, a changed one is opened again, an impossible one is refused and logged."""
-        if self._known.get(info.topic_id) == info:
-            return
-        self._known[info.topic_id] = info
-        old = self._endpoints.pop(info.topic_id, None)
-        if old is not None:
-            old.unregister()
-        try:
-            if not info.topic_name.strip("/") or not rosgraph.names.is_legal_name(info.topic_name):
-                raise ValueError(f"{info.topic_name!r} is not a legal name of a ROS topic")
-            self._types[info.topic_id] = message_class(info)
-            endpoint = make(self._types[info.topic_id])
-        except (ValueError, rospy.ROSException) as error:
-            _log.error("topic refused: %s", error)
-            return
-        self._endpoints[info.topic_id] = endpoint
-        _log.info("%s (%s) joined, id %d", endpoint.resolved_name, info.message_type, info.topic_id)
+    def close(self) -> None:
+        self._subscriber.unregister()
 
 
 def serialised(message: genpy.Message) -> bytes:
     buffer = io.BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()
+
+
+def deserialised(kind: Any, payload: bytes, where: str) -> Any:
+    """The message, or None with a line in the log if the bytes are none."""
+    message = kind()
+    try:
+        message.deserialize(payload)
+    except genpy.DeserializationError as error:
+        _log.warning("message of %d bytes on %s dropped: %s", len(payload), where, error)
+        return None
+    return message

@@ -13,7 +13,6 @@ its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 import argparse
 import contextlib
 import logging
-import os
 import secrets
 import signal
 import sys
@@ -27,6 +26,7 @@ with missing_explained():
     from laser_bot_battle.place import Place
     from laser_bot_battle.settings import describe
     from robot.children import RegistrationError, SerialNode, register
+    from robot.find_arduino import ArduinoLostError, find_arduino
     from robot.ping_thread import PingThread
     from robot.serial_port import PortError, probe
     from robot.settings import Settings
@@ -44,10 +44,6 @@ LOST_AFTER = 2.0  # s without an answer to the pings; the master may be at anoth
 _log = logging.getLogger(__name__)
 
 
-class ArduinoLostError(Exception):
-    """There is no working Arduino; the text says why."""
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(
         prog=PROGRAM,
@@ -62,6 +58,7 @@ def main() -> int:
             variables.RETRY,
             variables.LED,
             variables.ALIVE_FILE,
+            variables.PRIORITY,
             variables.LOG_LEVEL,
         ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -120,14 +117,6 @@ def run_robot(settings: Settings, whereabouts: Whereabouts, led: Indication) -> 
             # Restart the node: after an outage its subscriber may hold a connection whose other end was closed. Until
             # it notices, rospy takes the next player's connection for that one.
             registered = False
-
-
-def find_arduino(devices: tuple[str, ...]) -> str:
-    """The first device that is there; a URL is taken to be."""
-    for device in devices:
-        if "://" in device or os.path.exists(device):
-            return device
-    raise ArduinoLostError(f"No attached ARDUINO found: looked for {', '.join(devices)}")
 
 
 def supervise(node: SerialNode, pings: PingThread, lookout: Lookout, led: Indication, not_before: float) -> None:

@@ -46,7 +46,7 @@ def main() -> int:
         if sys.argv[1:]:
             headers[KEY_FIELD] = sys.argv[1]
         add_new_robot = rospy.ServiceProxy(ADD_NEW_ROBOT, AddNewRobot, headers=headers)
-        print(add_new_robot().ID)
+        print(add_new_robot().ID, flush=True)  # who has asked goes on at once
     except (OSError, rospy.ROSException, rospy.ServiceException) as error:
         print(f"Service call failed: {error} (ROS master {uri})", file=sys.stderr)
         return 1

@@ -6,46 +6,63 @@ import select
 import threading
 import time
 
-from laser_bot_battle.msg import Robot_msg
+from laser_bot_battle.master import Master
+from laser_bot_battle.msg import BoardHealth, Robot_msg, Setup
 from robot.dead_man import DeadMan
-from robot.device_topics import DeviceTopics, serialised
-from robot.rosserial.frame import encode
-from robot.rosserial.host import (
-    STOP_SENDING,
+from robot.device_log import DeviceLogger
+from robot.device_topics import serialised
+from robot.diagnostics import LineState
+from robot.endpoints import Endpoints
+from robot.health import Board
+from robot.parameters import Parameters
+from robot.rosserial.events import (
+    DeviceCalls,
     DeviceLog,
     DevicePublishes,
+    DeviceServes,
     DeviceSubscribes,
     Event,
-    Host,
     Lost,
     Message,
     Notice,
+    ParameterRequest,
     Send,
 )
+from robot.rosserial.frame import MAX_PAYLOAD, encode
+from robot.rosserial.host import SILENCE, Host
+from robot.rosserial.ids import STOP_SENDING
 from robot.rosserial.topic_info import TopicInfo
-from robot.serial_port import BAUDRATE, PortError, SerialPort
+from robot.serial_port import PortError, SerialPort
 from robot.transmit_queue import TransmitQueue
 from robot.waker import Waker
 
 TICK = 0.5  # s, longest wait without looking at the time, and whether a signal came just before the wait
-DEVICE_LEVELS = (logging.DEBUG, logging.INFO, logging.WARNING, logging.ERROR, logging.CRITICAL)
 
 _log = logging.getLogger(__name__)
-_device_log = logging.getLogger("robot.arduino")
 
 
 class SerialLine:
     """`run` reads the device and keeps the deadlines; commands are written by rospy's threads that receive them, as
     waking another thread for each would cost more than all the rest."""
 
-    def __init__(self, port: SerialPort, waker: Waker) -> None:
+    def __init__(self, port: SerialPort, waker: Waker, master: Master) -> None:
+        """`port` and `waker` are this line's alone; `master` is asked for parameters."""
+        self.board = Board()
         self._port = port
         self._waker = waker
-        self._topics = DeviceTopics(self._command)
+        self._endpoints = Endpoints(
+            self._command,
+            lambda topic_id, payload: self._answer(encode(topic_id, payload)),
+            {BoardHealth._type: lambda message: self.board.take(message, time.monotonic())},
+        )
+        self._parameters = Parameters(master, self._answer)
+        self._device_log = DeviceLogger()
         self._host = Host(time.monotonic())
+        self._room = MAX_PAYLOAD  # bytes, of the device's buffer
         self._lock = threading.Lock()  # for all below, and for writing to the port
-        self._queue = TransmitQueue(BAUDRATE)
+        self._queue = TransmitQueue(port.baudrate)
         self._dead_men: dict[int, DeadMan] = {}
+        self._setups: dict[int, bytes] = {}  # the last one of each topic
         self._wakes_at = 0.0  # when `run` looks again at what is due
         self._failure: PortError | None = None  # met by a command
         self._ends = False
@@ -72,6 +89,17 @@ class SerialLine:
                 self._ends = True
         self._stop_device()
         return self._waker.ended
+
+    def state(self) -> LineState:
+        """How the conversation is now; for other threads."""
+        silence = self._host.silence(time.monotonic())
+        return LineState(
+            silence=silence,
+            mute=silence is not None and silence > SILENCE,
+            broken_frames=self._host.broken_frames,
+            stray_bytes=self._host.stray_bytes,
+            dropped_answers=self._queue.refused,
+        )
 
     def _do_what_is_due(self) -> float:
         """Returns how long to wait for more, s."""
@@ -103,15 +131,28 @@ class SerialLine:
             now = time.monotonic()
             if topic.topic_id in self._dead_men:
                 self._dead_men[topic.topic_id].command(payload, now)
+            if topic.message_type == Setup._type:
+                self._setups[topic.topic_id] = payload
             self._queue.command(topic.topic_id, frame)
-            try:
-                self._transmit(now)
-            except PortError as error:
-                self._failure, self._ends = error, True
-                self._waker.wake()
-            # a stream of commands only puts the dead-man off, and wakes nobody
-            if self._next_due() < self._wakes_at:
-                self._waker.wake()
+            self._transmit_soon(now)
+
+    def _answer(self, frame: bytes) -> None:
+        """Called from other threads: a frame of the protocol, or of a service."""
+        with self._lock:
+            if not self._ends:
+                self._queue.send(frame)
+                self._transmit_soon(time.monotonic())
+
+    def _transmit_soon(self, now: float) -> None:
+        """Now or, while the line is busy, by `run`."""
+        try:
+            self._transmit(now)
+        except PortError as error:
+            self._failure, self._ends = error, True
+            self._waker.wake()
+        # a stream of commands only puts the dead-man off, and wakes nobody
+        if self._next_due() < self._wakes_at:
+            self._waker.wake()
 
     def _transmit(self, now: float) -> None:
         if out := self._queue.take(now):
@@ -132,18 +173,28 @@ class SerialLine:
             case Send(data):
                 with self._lock:
                     self._queue.send(data)
-            case DevicePublishes(info):
-                self._topics.publish_for(info)
             case DeviceSubscribes(info):
-                if info.message_type == Robot_msg._type:
-                    with self._lock:
-                        self._dead_men.setdefault(info.topic_id, DeadMan(neutral=serialised(Robot_msg())))
-                self._topics.subscribe_for(info)
+                self._subscribed(info)
+                self._endpoints.tell(event)
+            case DevicePublishes() | DeviceServes() | DeviceCalls():
+                self._endpoints.tell(event)
             case Message(topic_id, payload):
-                self._topics.publish(topic_id, payload)
+                self._endpoints.receive(topic_id, payload)
+            case ParameterRequest(name):
+                self._parameters.ask(name, self._room)
             case DeviceLog(level, text):
-                _device_log.log(DEVICE_LEVELS[min(level, len(DEVICE_LEVELS) - 1)], "%s", text)
+                self._device_log.log(level, text)
             case Notice(text):
                 _log.warning("%s", text)
             case Lost(reason):
                 raise PortError(f"{self._port.device}: {reason}")
+
+    def _subscribed(self, info: TopicInfo) -> None:
+        """The device tells that it subscribes, perhaps again: then it may have been reset, and have lost its setup."""
+        self._room = info.buffer_size
+        with self._lock:
+            if info.message_type == Robot_msg._type:
+                self._dead_men.setdefault(info.topic_id, DeadMan(neutral=serialised(Robot_msg())))
+            setup = self._setups.get(info.topic_id)
+        if setup is not None:
+            self._command(info, setup)

@@ -1,6 +1,10 @@
 """The ROS node of the Arduino: joins the topics of its sketch to ROS topics.
 
     python3 -m robot.serial_node /dev/ttyACM0 __name:=Robot0 command:=Robot0/command response:=Robot0/response
+    python3 -m robot.serial_node _port:=/dev/ttyUSB0 _baud:=115200
+
+The second line is how rosserial_python's node is started; as there, `~port` and `~baud` may also be parameters of the
+ROS master. Without any port, the Arduino is looked for as LASERBOT_SERIAL says.
 
 Ends with exit code 0 on SIGINT or SIGTERM, and with 1 and the reason in the log when the device, the node's name or the
 ROS master is lost: whoever started it starts it again.
@@ -19,14 +23,17 @@ with missing_explained():
     import rosgraph.names
     import rospy
 
-    from laser_bot_battle import variables
+    from laser_bot_battle import priority, variables
     from laser_bot_battle.announcement import NoArenaError
     from laser_bot_battle.log import configure_logging
     from laser_bot_battle.master import Master, MasterWatch
     from laser_bot_battle.ros_environment import ros_environment
     from laser_bot_battle.settings import describe
+    from robot.find_arduino import ArduinoLostError, find_arduino
+    from robot.health import HealthThread
+    from robot.private_parameters import BadParameterError, PrivateParameters
     from robot.serial_line import SerialLine
-    from robot.serial_port import PortError, SerialPort
+    from robot.serial_port import BAUDRATE, PortError, SerialPort
     from robot.settings import Settings
     from robot.waker import Waker
     from robot.whereabouts import locate_once
@@ -44,13 +51,23 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         prog=PROGRAM,
         description=__doc__,
-        epilog=describe(variables.ARENA_NAME, variables.MASTER, variables.ROS_MASTER_URI, variables.LOG_LEVEL),
+        epilog=describe(
+            variables.ARENA_NAME,
+            variables.MASTER,
+            variables.ROS_MASTER_URI,
+            variables.SERIAL,
+            variables.PRIORITY,
+            variables.LOG_LEVEL,
+        ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("device", help="path of the serial device, or a pyserial URL such as socket://host:port")
+    parser.add_argument(
+        "device", nargs="?", help="path of the serial device, or a pyserial URL such as socket://host:port"
+    )
     parser.add_argument("--end-with-stdin", action="store_true", help="end when stdin does: its writer is gone")
     arguments = parser.parse_args(rospy.myargv()[1:])
     settings = Settings.load(PROGRAM)
+    priority.take(settings.priority)  # of this thread, and of those that it starts
     try:
         uri = locate_once(settings).ros_master_uri
     except NoArenaError as error:
@@ -63,7 +80,8 @@ def main() -> int:
     if arguments.end_with_stdin:
         threading.Thread(target=end_with_stdin, args=[waker], name="stdin", daemon=True).start()
     name = rosgraph.names.load_mappings(sys.argv).get("__name", NODE)
-    watch = MasterWatch(Master(uri, name), waker.end)
+    master = Master(uri, name)
+    watch = MasterWatch(master, waker.end)
     try:
         os.environ.update(ros_environment(os.environ, uri))
         watch.start()  # rospy would wait for an absent master for ever, and could not be stopped
@@ -71,8 +89,13 @@ def main() -> int:
         _log.error("ROS master %s does not answer: %s", uri, error)
         return 1
     try:
-        with SerialPort(arguments.device) as port:
-            return serve(port, waker, settings.log_level)
+        parameters = PrivateParameters(sys.argv, master)
+        device = arguments.device or parameters.text("port") or find_arduino(settings.devices)
+        with SerialPort(device, parameters.whole("baud", BAUDRATE)) as port:
+            return serve(port, waker, master, settings.log_level)
+    except (ArduinoLostError, BadParameterError) as error:
+        _log.error("%s", error)
+        return 1
     except PortError as error:
         _log.error(LOST, error)
         return 1
@@ -80,12 +103,14 @@ def main() -> int:
         watch.stop()
 
 
-def serve(port: SerialPort, waker: Waker, log_level: str) -> int:
+def serve(port: SerialPort, waker: Waker, master: Master, log_level: str) -> int:
     """Be the node until something ends it; returns the exit code."""
     rospy.init_node(NODE, disable_signals=True)
     configure_logging(log_level)
     rospy.on_shutdown(lambda: waker.end("another node has taken this node's name"))
-    line = SerialLine(port, waker)
+    line = SerialLine(port, waker, master)
+    health = HealthThread(line.board, port.device, line.state)
+    health.start()
     _log.info("%s serves %s", rospy.get_name(), port.device)
     code = 1
     try:
@@ -95,6 +120,7 @@ def serve(port: SerialPort, waker: Waker, log_level: str) -> int:
     except PortError as error:
         _log.error(LOST, error)
     finally:
+        health.stop()
         # rospy tells the ROS master, for whose answer it would wait for ever
         in_time = threading.Timer(END_WITHIN, os._exit, [code])
         in_time.daemon = True

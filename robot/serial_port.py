@@ -9,7 +9,8 @@ import time
 
 import serial
 
-from robot.rosserial.host import Host, Lost, Send
+from robot.rosserial.events import Lost, Send
+from robot.rosserial.host import Host
 
 BAUDRATE = 57600
 WRITE_TIMEOUT = 1.0  # s
@@ -22,12 +23,13 @@ class PortError(Exception):
 class SerialPort:
     """An open port; a context manager."""
 
-    def __init__(self, device: str) -> None:
+    def __init__(self, device: str, baudrate: int = BAUDRATE) -> None:
         """Opens the port for us alone; PortError says why not."""
         self.device = device
+        self.baudrate = baudrate
         try:
             self._port = serial.serial_for_url(
-                device, baudrate=BAUDRATE, timeout=0, write_timeout=WRITE_TIMEOUT, exclusive=True
+                device, baudrate=baudrate, timeout=0, write_timeout=WRITE_TIMEOUT, exclusive=True
             )
         except (OSError, ValueError, TypeError) as error:  # pyserial lets all of them out for a bad URL
             raise PortError(f"cannot open {device}: {error}") from None

@@ -20,6 +20,7 @@ class Settings:
     caller_id: str  # the ROS name under which this robot asks for its ID
     retry: float  # s between attempts
     led: int | None  # GPIO of the status LED, None if the robot has none
+    priority: int  # real-time, 0 for none
     log_level: str
 
     @classmethod
@@ -32,6 +33,7 @@ class Settings:
             caller_id=client_name(variables.ROBOT_NAME.read(env) or default_robot_name()),
             retry=variables.RETRY.read(env),
             led=variables.LED.read(env),
+            priority=variables.PRIORITY.read(env),
             log_level=variables.LOG_LEVEL.read(env),
         )
 

@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager, contextmanager
 
 import uvloop
 
-from laser_bot_battle import alive
+from laser_bot_battle import alive, priority
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import ROSAPI_NODE, ROSBRIDGE_NODE
 from laser_bot_battle.settings import read_or_exit
@@ -37,6 +37,7 @@ def main() -> int:
     environment = read_arguments(program, description, *VARIABLES, options=OPTIONS)
     settings = read_or_exit(program, Settings.from_env, environment)
     configure_logging(settings.node.log_level)
+    priority.take(settings.priority)
     for argument in without_effect(sys.argv[1:]):
         _log.warning("%s has no effect: nothing is remapped here, and settings are options (--help)", argument)
     node = Node(ROSBRIDGE_NODE, settings.node)

@@ -21,6 +21,7 @@ VARIABLES = (
     variables.PARAMS_GLOB,
     variables.WEB,
     variables.ORIGINS,
+    variables.PRIORITY,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
@@ -47,6 +48,7 @@ class Settings:
     globs: Globs
     web_port: int  # of the game's pages
     origins: tuple[str, ...]  # further addresses of them
+    priority: int  # real-time, 0 for none
 
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:
@@ -62,4 +64,5 @@ class Settings:
             ),
             web_port=variables.WEB.read(environ),
             origins=variables.ORIGINS.read(environ),
+            priority=variables.PRIORITY.read(environ),
         )

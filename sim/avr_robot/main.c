@@ -3,6 +3,7 @@
 #include "board.h"
 #include "bootloader.h"
 #include "options.h"
+#include "priority.h"
 #include "serial_line.h"
 
 #include <errno.h>
@@ -184,6 +185,7 @@ int main(int argc, char **argv)
 	robot.line = options.tcp ? serial_tcp_open(&options.listen) : serial_pty_open(options.pty_link, options.bootloader);
 	if (!robot.line)
 		return 2;
+	priority_take(); /* before the arena's thread starts */
 	if (options.arena && !(robot.arena = arena_link_start(&options.arena_address, options.name)))
 		return 1;
 	fprintf(stderr, "avr_robot %s: UART at %s\n", options.name, robot.line->address);

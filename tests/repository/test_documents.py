@@ -43,6 +43,8 @@ RUN_BY = {
         "::test_chosen_ports_of_a_private_engine_are_reached_through_the_systems",
     },
     "docs/lan.md": {
+        "make demo": "tests/integration/test_demo.py::test_make_demo_starts_and_ctrl_c_ends_it",
+        "make bench": ".github/workflows/ci.yml::run: make bench",
         "docker compose --profile master up -d": "tests/images/test_compose_lan.py"
         "::test_robots_find_the_master_and_a_battle_is_played",
         "docker compose --profile robot up -d": "tests/images/test_compose_lan.py"

@@ -45,7 +45,7 @@ KINDS = (
 )
 TYPES = {kind._type: kind for kind in KINDS}
 # what every ROS network has
-USUAL = re.compile(r"/rosout|/rosout_agg|/.*/(get_loggers|set_logger_level)")
+USUAL = re.compile(r"/rosout|/rosout_agg|/diagnostics|/.*/(get_loggers|set_logger_level)")
 
 
 def test_types_and_their_checksums_are_those_of_the_package() -> None:

@@ -4,10 +4,13 @@ import pytest
 
 from laser_bot_battle.msg import BoardHealth, Hit, Robot_msg, Setup
 from robot.device_topics import serialised
-from robot.rosserial import host
+from robot.rosserial import ids
+from robot.rosserial.announcements import KINDS, MAX_TOPICS
+from robot.rosserial.events import DevicePublishes, DeviceSubscribes, Event, Message, Send
 from robot.rosserial.frame import Decoder, Frame, encode
-from robot.rosserial.host import DevicePublishes, DeviceSubscribes, Event, Host, Message, Send
+from robot.rosserial.host import Host
 from robot.serial_port import BAUDRATE
+from robot.transmit_queue import MAX_ANSWERS
 from tests.support.documents import Row, page, table, value_of
 
 PAGE = page("protocol-serial.md")
@@ -52,7 +55,7 @@ def test_the_conversation_is_held_by_the_pi() -> None:
             events = pi.receive(data(row), 0.0, WALL)
             said += [event.data for event in events if isinstance(event, Send)]
             heard += [event for event in events if not isinstance(event, Send)]
-    assert [*said, host.STOP_SENDING] == [data(row) for row in CONVERSATION if row["from"] == "Pi"]
+    assert [*said, ids.STOP_SENDING] == [data(row) for row in CONVERSATION if row["from"] == "Pi"]
     *topics, hit = heard
     assert [(type(told), told.info.topic_id) for told in topics] == [  # type: ignore[union-attr]
         (DevicePublishes, 125),
@@ -77,11 +80,20 @@ def test_the_bytes_of_the_messages_are_what_they_say() -> None:
 
 
 def test_the_topic_ids_are_the_protocols() -> None:
-    ids = {int(row["id"]) for row in table(PAGE, "Topic ids")}
-    reserved = {host.PUBLISHER, host.SUBSCRIBER, host.PARAMETER, host.LOG, host.TIME, host.TX_STOP}
-    told = {the_frame(row).topic_id for row in CONVERSATION + MESSAGES + COMMANDS}
-    assert ids == reserved | {100, 101, 102, 125, 126, 127}
-    assert told <= ids
+    told = {int(word) for row in table(PAGE, "Topic ids") for word in row["id"].split(",")}
+    reserved = {*KINDS, ids.PARAMETER, ids.LOG, ids.TIME, ids.TX_STOP}
+    used = {the_frame(row).topic_id for row in CONVERSATION + MESSAGES + COMMANDS}
+    assert told >= reserved | {100, 101, 102, 125, 126, 127}
+    assert not [topic_id for topic_id in told - reserved if topic_id < ids.FIRST_TOPIC]
+    assert used <= told
+
+
+def test_the_limit_of_topics_is_told() -> None:
+    assert f"more than {MAX_TOPICS} topics" in PAGE
+
+
+def test_the_room_of_the_line_is_told() -> None:
+    assert f"of the other frames {MAX_ANSWERS} bytes" in PAGE
 
 
 @pytest.mark.parametrize("row", table(PAGE, "Times"), ids=lambda row: row["where"])

@@ -10,7 +10,7 @@ from laser_bot_battle.token_bucket import TokenBuckets
 
 MAX_LINE = 4000  # characters of a message
 # the loggers that speak of what strangers send, and how many lines each has
-_STRANGERS = ("server.web.", "waitress.", "rospy.", "rosgraph.", "rosout.")
+_STRANGERS = ("server.web.", "waitress.", "rospy.", "rosgraph.", "rosout.", "robot.parameters.")
 BURST = 20
 PERIOD = 1.0  # s for each further line
 

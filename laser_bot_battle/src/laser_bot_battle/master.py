@@ -45,7 +45,7 @@ class Master:
         self.node = "/" + node.lstrip("/")
         self.timeout = timeout
 
-    def call(self, method: str, *arguments: str) -> Any:
+    def call(self, method: str, *arguments: Any) -> Any:
         """The value that it returns. MasterError when it reports a failure, OSError when there is no such answer."""
         try:
             with xmlrpc.client.ServerProxy(self.uri, transport=_TimedTransport(self.timeout)) as proxy:

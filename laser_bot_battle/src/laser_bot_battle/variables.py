@@ -207,6 +207,16 @@ GPIO_GROUP = words("LASERBOT_GPIO_GROUP", "", "number of the group that may use 
 ALIVE_FILE = words(
     "LASERBOT_ALIVE_FILE", "", "file that a working program touches every second, for health checks; not with compose"
 )
+PRIORITY: Variable[int] = Variable(
+    "LASERBOT_PRIORITY",
+    1,
+    "real-time [priority](lan.md#priority) that rosbridge, the serial node and the simulator take where the system "
+    "grants it; 0: none. With compose, what the engine grants them",
+    whole("LASERBOT_PRIORITY", 1, 0, 99, "").parse,
+    "1 (compose: 0)",
+    lowest=0,
+    highest=99,
+)
 LOG_LEVEL = choice("LASERBOT_LOG_LEVEL", "info", LOG_LEVELS, "how much is logged")
 
 # ROS's own; a robot takes the default from its master's name

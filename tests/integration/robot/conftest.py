@@ -1,6 +1,7 @@
 """What is around a robot: a ROS master, the service that gives IDs, a web server, a device."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from tests.integration.robot.device import Device
 from tests.integration.robot.id_service import IdService
 from tests.integration.robot.web_server import WebServer
+from tests.support.programs import Program
 from tests.support.ros import RosMaster, ros_master
 
 __all__ = ["ros_master"]
@@ -44,3 +46,29 @@ def settings(ros_master: RosMaster, web: WebServer, device: Device, tmp_path: Pa
         "LASERBOT_RETRY": "0.5",
         "LASERBOT_ALIVE_FILE": str(tmp_path / "alive"),
     }
+
+
+Start = Callable[..., Program]
+
+
+@pytest.fixture
+def start(ros_master: RosMaster) -> Iterator[Start]:
+    """Starts a program of this repository in the ROS of the test."""
+    with ExitStack() as ends:
+
+        def begin(module: str, *arguments: str) -> Program:
+            program = Program.python(module, *arguments, env=ros_master.env)
+            ends.callback(program.kill)
+            return program
+
+        yield begin
+
+
+def serve(start: Start, device: str, robot_id: int) -> Program:
+    """The serial node of Robot<robot_id>, with the device's topics joined."""
+    name = f"Robot{robot_id}"
+    node = start(
+        "robot.serial_node", device, f"__name:={name}", f"command:={name}/command", f"response:={name}/response"
+    )
+    node.wait_for(f"/{name}/command")
+    return node

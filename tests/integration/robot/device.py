@@ -33,7 +33,9 @@ class Device:
         path: Path,
         subscribers: tuple[TopicInfo, ...] = (COMMAND,),
         publishers: tuple[TopicInfo, ...] = (RESPONSE,),
+        halves: tuple[tuple[int, TopicInfo], ...] = (),
     ) -> None:
+        """`halves` of services, with the ids under which they are told."""
         self.path = str(path)
         self.answers = True
         self.received = bytearray()
@@ -41,10 +43,12 @@ class Device:
         self.topic_requests = 0
         self._subscribers = subscribers
         self._publishers = publishers
+        self._halves = halves
         self._master, self._slave = pty.openpty()
         tty.setraw(self._slave)
         path.symlink_to(os.ttyname(self._slave))
         os.set_blocking(self._slave, False)
+        os.set_blocking(self._master, False)
         self._reading = threading.Lock()
         self._woken, self._wake = os.pipe()  # ends the thread
         self._thread = threading.Thread(target=self._run, name="device")
@@ -57,11 +61,21 @@ class Device:
         self.unplug()
 
     def send(self, data: bytes) -> None:
-        os.write(self._master, data)
+        """Returns when the line has taken all, or the device is unplugged."""
+        while data:
+            ended, ready, _ = select.select([self._woken], [self._master], [])
+            if ended:
+                return
+            if ready:
+                data = data[os.write(self._master, data) :]
+
+    def payloads(self, topic_id: int) -> list[bytes]:
+        """What came for that id, in order."""
+        return [frame.payload for frame in self.frames if frame.topic_id == topic_id]
 
     def commands(self) -> list[bytes]:
         """The payloads that came for topic 100, in order."""
-        return [frame.payload for frame in self.frames if frame.topic_id == COMMAND.topic_id]
+        return self.payloads(COMMAND.topic_id)
 
     @contextmanager
     def clogged(self) -> Iterator[None]:
@@ -102,4 +116,5 @@ class Device:
         answer = encode(10, struct.pack("<II", 0, 0))
         answer += b"".join(encode(0, info.encode()) for info in self._publishers)
         answer += b"".join(encode(1, info.encode()) for info in self._subscribers)
+        answer += b"".join(encode(kind, info.encode()) for kind, info in self._halves)
         self.send(answer)

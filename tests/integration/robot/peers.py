@@ -2,6 +2,10 @@
 
 python -m tests.integration.robot.peers publish TOPIC PERIOD COUNT LINEAR ANGULAR SHOOT [LINEAR ...]
 python -m tests.integration.robot.peers listen TOPIC
+python -m tests.integration.robot.peers show TOPIC TYPE         (prints each message in one line)
+python -m tests.integration.robot.peers setup TOPIC ID TEAM MODE  (latches one)
+python -m tests.integration.robot.peers call SERVICE            (of std_srvs/Trigger)
+python -m tests.integration.robot.peers serve SERVICE           (of std_srvs/Trigger)
 python -m tests.integration.robot.peers ids FILE     (serves /add_new_robot, the next ID is read from FILE)
 """
 
@@ -11,10 +15,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+import genpy.message
 import rospy
 from std_msgs.msg import Empty
+from std_srvs.srv import Trigger, TriggerResponse
 
-from laser_bot_battle.msg import Robot_msg
+from laser_bot_battle.msg import Robot_msg, Setup
 from laser_bot_battle.srv import AddNewRobot, AddNewRobotRequest, AddNewRobotResponse
 
 
@@ -41,6 +47,33 @@ def listen(topic: str) -> None:
     rospy.spin()
 
 
+def show(topic: str, type_name: str) -> None:
+    kind = genpy.message.get_message_class(type_name)
+    rospy.Subscriber(topic, kind, lambda message: print(" ".join(str(message).split()), flush=True))
+    rospy.spin()
+
+
+def setup(topic: str, *words: str) -> None:
+    robot_id, team, mode = map(int, words)
+    publisher = rospy.Publisher(topic, Setup, queue_size=1, latch=True)
+    publisher.publish(robot_id, team, mode, 500, 0)
+    rospy.spin()
+
+
+def call(service: str) -> None:
+    rospy.wait_for_service(service, 10)
+    try:
+        print("answer:", " ".join(str(rospy.ServiceProxy(service, Trigger)()).split()), flush=True)
+    except rospy.ServiceException as error:
+        print("failed:", error, flush=True)
+
+
+def serve(service: str) -> None:
+    rospy.Service(service, Trigger, lambda _: TriggerResponse(True, "from ROS"))
+    print("ready", flush=True)
+    rospy.spin()
+
+
 def ids(file: str) -> None:
     def add(request: AddNewRobotRequest) -> AddNewRobotResponse:
         header = request._connection_header
@@ -58,5 +91,6 @@ def ids(file: str) -> None:
 if __name__ == "__main__":
     role, *words = sys.argv[1:]
     rospy.init_node(f"peer_{role}", anonymous=True)
-    roles: dict[str, Callable[..., None]] = {"publish": publish, "listen": listen, "ids": ids}
+    roles: dict[str, Callable[..., None]] = {"publish": publish, "listen": listen, "show": show, "setup": setup}
+    roles |= {"call": call, "serve": serve, "ids": ids}
     roles[role](*words)

@@ -61,6 +61,20 @@ def test_a_robot_registers_once_its_arduino_answers_and_pings_with_its_id(
     assert ids.keys == [hashlib.sha256(key.encode()).hexdigest()]
 
 
+def test_the_pings_start_once_the_id_is_there_however_long_its_asker_takes_to_end(
+    ids: IdService, web: WebServer, settings: dict[str, str], tmp_path: Path
+) -> None:
+    slow_end = "import atexit, sys, time\nif 'robot.register' in sys.orig_argv: atexit.register(time.sleep, 600)\n"
+    (tmp_path / "sitecustomize.py").write_text(slow_end)
+    slow = {**settings, "PYTHONPATH": f"{tmp_path}:{settings['PYTHONPATH']}"}
+    robot = Program.python("robot.id_service_client", env=slow)
+    try:
+        until(lambda: web.pings, 25)
+        assert not children(robot, "robot.register")
+    finally:
+        robot.stop()
+
+
 def test_every_start_has_a_key_of_its_own(ids: IdService, web: WebServer, robot: Program, settings) -> None:
     robot.wait_for("New robot ID = 0")
     robot.stop()

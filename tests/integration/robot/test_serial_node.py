@@ -5,14 +5,13 @@ import signal
 import socket
 import struct
 import time
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
 
 from robot.rosserial.frame import encode
 from robot.rosserial.topic_info import TopicInfo
+from tests.integration.robot.conftest import Start, serve
 from tests.integration.robot.device import COMMAND, EMPTY, ROBOT_MSG, STOP_SENDING, TOPIC_REQUEST, Device
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -23,31 +22,6 @@ FORWARD = bytes.fromhex("ff fe 03 00 fc 64 00 01 00 00 9a")
 BACK_LEFT_SHOOT = bytes.fromhex("ff fe 03 00 fc 64 00 ff ff 01 9c")
 NEUTRAL = bytes.fromhex("ff fe 03 00 fc 64 00 00 00 00 9b")
 HIT = bytes.fromhex("ff fe 00 00 ff 7d 00 82")
-
-Start = Callable[..., Program]
-
-
-@pytest.fixture
-def start(ros_master: RosMaster) -> Iterator[Start]:
-    """Starts a program of this repository in the ROS of the test."""
-    with ExitStack() as ends:
-
-        def begin(module: str, *arguments: str) -> Program:
-            program = Program.python(module, *arguments, env=ros_master.env)
-            ends.callback(program.kill)
-            return program
-
-        yield begin
-
-
-def serve(start: Start, device: str, robot_id: int) -> Program:
-    """The serial node of Robot<robot_id>, with the device's topics joined."""
-    name = f"Robot{robot_id}"
-    node = start(
-        "robot.serial_node", device, f"__name:={name}", f"command:={name}/command", f"response:={name}/response"
-    )
-    node.wait_for(f"/{name}/command")
-    return node
 
 
 def publish(start: Start, topic: str, command: str, period: float = 0.025, count: int = 1) -> Program:

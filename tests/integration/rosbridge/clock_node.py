@@ -4,7 +4,7 @@ import threading
 
 import genpy
 import rospy
-from rosgraph_msgs.msg import Clock  # type: ignore[import-untyped]
+from rosgraph_msgs.msg import Clock
 
 
 def main() -> None:

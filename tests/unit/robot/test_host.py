@@ -2,19 +2,23 @@ import struct
 
 import pytest
 
-from robot.rosserial.frame import encode
-from robot.rosserial.host import (
-    ANSWER_TIMEOUT,
+from robot.rosserial.announcements import MAX_TOPICS
+from robot.rosserial.events import (
+    DeviceCalls,
     DeviceLog,
     DevicePublishes,
+    DeviceServes,
     DeviceSubscribes,
     Event,
-    Host,
     Lost,
     Message,
     Notice,
+    ParameterRequest,
     Send,
+    ServiceInfo,
 )
+from robot.rosserial.frame import encode
+from robot.rosserial.host import ANSWER_TIMEOUT, Host
 from robot.rosserial.topic_info import TopicInfo
 
 COMMAND = TopicInfo(100, "command", "laser_bot_battle/Robot_msg", "aa81278360e1bdd1ffce0a4efe0ae199", 280)
@@ -76,7 +80,7 @@ def test_topics_are_asked_for_at_once_and_each_second_until_there_is_an_answer(f
     assert not fresh.host.answered
     fresh.hear(TOPICS)
     assert fresh.host.answered
-    assert fresh.wait(10) == []
+    assert fresh.wait(2.9) == []
 
 
 def test_the_topics_of_the_device_are_told(fresh: Conversation) -> None:
@@ -116,26 +120,40 @@ def test_the_time_alone_does_not_make_a_device_ready(fresh: Conversation) -> Non
 
 def test_requests_for_the_time_keep_the_connection_for_ever(joined: Conversation) -> None:
     for _ in range(20):
-        assert joined.wait(14) == []
+        assert joined.wait(2.9) == []
         joined.hear(TIME_REQUEST)
 
 
-def test_topics_are_asked_for_again_after_15_s_without_a_request_for_the_time(joined: Conversation) -> None:
-    assert joined.wait(14.8) == []
-    assert joined.wait(0.5) == [ASK]
+def test_topics_are_asked_for_again_after_3_s_without_a_request_for_the_time(joined: Conversation) -> None:
+    assert joined.wait(2.9) == []
+    assert joined.wait(0.2) == [ASK]
     assert joined.hear(TOPICS) == [DevicePublishes(RESPONSE), DeviceSubscribes(COMMAND)]
-    assert joined.wait(14.8) == []
+    assert joined.wait(2.9) == []
 
 
-def test_a_device_that_stays_silent_after_that_is_lost(joined: Conversation) -> None:
-    assert not [event for event in joined.wait(19.8) if isinstance(event, Lost)]
-    lost = joined.wait(0.2)[-1]
+def test_a_device_that_never_asks_for_the_time_but_tells_its_topics_stays(joined: Conversation) -> None:
+    for _ in range(20):
+        asked = joined.wait(4)
+        assert set(asked) == {ASK}
+        joined.hear(TOPICS)
+
+
+def test_a_device_that_is_silent_for_5_s_is_lost(joined: Conversation) -> None:
+    *asked, lost = joined.wait(5)
+    assert asked == [ASK] * 4
     assert isinstance(lost, Lost)
-    assert "no time request for 20 s" in lost.reason
+    assert "no time request for 5 s" in lost.reason
+
+
+def test_a_host_that_was_away_does_not_take_that_for_silence_of_the_device(joined: Conversation) -> None:
+    joined.wait(2)
+    joined.now += 60
+    assert joined.wait(0.5) == []
+    assert isinstance(joined.wait(3)[-1], Lost)
 
 
 def test_messages_alone_do_not_keep_the_connection(joined: Conversation) -> None:
-    for _ in range(19):
+    for _ in range(4):
         joined.hear(HIT)
         joined.wait(1)
     assert isinstance(joined.wait(1.1)[-1], Lost)
@@ -144,7 +162,7 @@ def test_messages_alone_do_not_keep_the_connection(joined: Conversation) -> None
 def test_a_message_on_an_unknown_topic_makes_the_topics_be_asked_for_again_but_not_all_the_time(
     joined: Conversation,
 ) -> None:
-    joined.wait(5)
+    joined.wait(1.5)
     stranger = encode(101, b"x")
     notice, ask = joined.hear(stranger)
     assert isinstance(notice, Notice)
@@ -155,7 +173,7 @@ def test_a_message_on_an_unknown_topic_makes_the_topics_be_asked_for_again_but_n
 
 
 def test_a_subscribed_topic_is_no_topic_to_publish_on(joined: Conversation) -> None:
-    joined.wait(5)
+    joined.wait(2)
     assert isinstance(joined.hear(encode(100, b"\1\0\0"))[0], Notice)
 
 
@@ -163,11 +181,44 @@ def test_a_log_line_of_the_sketch_is_told(joined: Conversation) -> None:
     assert joined.hear(encode(7, b"\x02\x07\0\0\0low bat")) == [DeviceLog(2, "low bat")]
 
 
-def test_a_request_for_a_parameter_gets_nothing_and_is_told(joined: Conversation) -> None:
-    answer, notice = joined.hear(encode(6, b"\x04\0\0\0gain"))
-    assert answer == Send(encode(6, bytes(12)))
-    assert isinstance(notice, Notice)
-    assert "'gain'" in notice.text
+def test_a_request_for_a_parameter_is_told(joined: Conversation) -> None:
+    assert joined.hear(encode(6, b"\x04\0\0\0gain")) == [ParameterRequest("gain")]
+
+
+REQUEST, ANSWER = "d41d8cd98f00b204e9800998ecf8427e", "937c9679a518e3a18d831e57125ea522"  # md5s of std_srvs/Trigger
+
+
+def half(topic_id: int, md5: str, size: int = 280) -> bytes:
+    return TopicInfo(topic_id, "fire", "std_srvs/Trigger", md5, size).encode()
+
+
+def test_a_service_is_told_once_both_of_its_halves_are_there(joined: Conversation) -> None:
+    assert joined.hear(encode(2, half(126, ANSWER))) == []
+    service = ServiceInfo("fire", "std_srvs/Trigger", 101, REQUEST, 126, ANSWER, 300)
+    assert joined.hear(encode(3, half(101, REQUEST, 300))) == [DeviceServes(service)]
+    assert joined.hear(encode(126, b"answer")) == [Message(126, b"answer")]
+    joined.wait(2)
+    assert isinstance(joined.hear(encode(101, b"?"))[0], Notice)
+
+
+def test_a_service_that_the_device_calls_is_told_likewise(joined: Conversation) -> None:
+    assert joined.hear(encode(5, half(102, ANSWER, 300))) == []
+    service = ServiceInfo("fire", "std_srvs/Trigger", 127, REQUEST, 102, ANSWER, 300)
+    assert joined.hear(encode(4, half(127, REQUEST))) == [DeviceCalls(service)]
+    assert joined.hear(encode(127, b"request")) == [Message(127, b"request")]
+
+
+def test_a_device_that_tells_too_many_topics_is_refused_at_once(joined: Conversation) -> None:
+    many = [encode(0, TopicInfo(200 + i, f"t{i}", "std_msgs/Empty", "", 280).encode()) for i in range(10_000)]
+    told = joined.hear(b"".join(many[: MAX_TOPICS - 2]))
+    assert len(told) == MAX_TOPICS - 2
+    lost = joined.hear(many[MAX_TOPICS - 2])
+    assert lost == [Lost(f"the device tells more than {MAX_TOPICS} topics")]
+
+
+def test_telling_the_same_again_is_no_new_topic(joined: Conversation) -> None:
+    for _ in range(MAX_TOPICS):
+        assert len(joined.hear(TOPICS)) == 2
 
 
 @pytest.mark.parametrize(
@@ -177,7 +228,9 @@ def test_a_request_for_a_parameter_gets_nothing_and_is_told(joined: Conversation
         (encode(1, TopicInfo(7, "evil", "a/B", "", 1).encode()), "reserved id 7"),
         (encode(7, b""), "broken log message"),
         (encode(7, b"\x01\xff\0\0\0short"), "broken log message"),
-        (encode(2, b"service"), "not supported"),
+        (encode(2, b"service"), "broken topic info"),
+        (encode(1, TopicInfo(101, "none", "a/B", "", 0).encode()), "with a buffer of 0 bytes refused"),
+        (encode(0, TopicInfo(126, "less", "a/B", "", -1).encode()), "with a buffer of -1 bytes refused"),
         (encode(42, b"?"), "unknown id 42"),
     ],
 )

@@ -1,4 +1,4 @@
-from robot.transmit_queue import TransmitQueue
+from robot.transmit_queue import MAX_ANSWERS, TransmitQueue
 
 
 def test_an_empty_queue_has_nothing_to_write() -> None:
@@ -17,13 +17,39 @@ def test_of_commands_for_one_topic_only_the_newest_is_written() -> None:
     assert queue.take(2.0) == b""
 
 
-def test_protocol_bytes_keep_their_order_and_go_first() -> None:
+def test_frames_of_the_protocol_keep_their_order() -> None:
     queue = TransmitQueue(57600)
-    queue.command(100, b"command")
-    queue.send(b"first ")
+    queue.send(b"first")
     queue.send(b"second")
-    assert queue.take(0.0) == b"first second"
-    assert queue.take(1.0) == b"command"
+    assert queue.take(0.0) == b"first"
+    assert queue.take(1.0) == b"second"
+
+
+def test_a_command_waits_for_one_frame_of_the_protocol_at_most_and_the_other_way_round() -> None:
+    queue = TransmitQueue(57600)
+    taken = []
+    for number in range(6):
+        queue.send(b"answer")
+        queue.command(100, b"command")
+        taken.append(queue.take(float(number)))
+    assert taken == [b"command", b"answer"] * 3
+
+
+def test_answers_do_not_pile_up() -> None:
+    queue = TransmitQueue(57600)
+    for _ in range(1000):
+        queue.send(bytes(20))
+    waiting = 0
+    while queue.due is not None:
+        waiting += len(queue.take(queue.due))
+    assert 0 < waiting <= MAX_ANSWERS
+    assert queue.refused == 1000 - waiting // 20
+
+
+def test_a_frame_that_is_longer_than_the_room_goes_if_nothing_else_waits() -> None:
+    queue = TransmitQueue(57600)
+    queue.send(bytes(MAX_ANSWERS + 1))
+    assert queue.take(0.0) == bytes(MAX_ANSWERS + 1)
 
 
 def test_nothing_is_written_while_the_line_is_still_busy_with_the_last_bytes() -> None:
