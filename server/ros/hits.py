@@ -2,6 +2,7 @@
 
 import logging
 import threading
+import time
 
 import rospy
 from std_msgs.msg import Empty
@@ -12,6 +13,10 @@ from server.game.snapshot import Snapshot
 
 _log = logging.getLogger(__name__)
 
+# s without a robot's node until its topic is asked for again: rospy forgets a publisher that appears in the moment of
+# subscribing, and one that did not answer at once
+RETRY = 2.0
+
 
 class Hits:
     """Listens to exactly the robots that are registered.
@@ -21,7 +26,7 @@ class Hits:
 
     def __init__(self, game: GameLoop) -> None:
         self._game = game
-        self._subscribers: dict[int, rospy.Subscriber] = {}
+        self._subscribers: dict[int, tuple[rospy.Subscriber, float]] = {}  # each with the time of its beginning
         self._present: tuple[int, ...] = ()
         self._changed = threading.Event()
         self._stopping = False
@@ -34,20 +39,25 @@ class Hits:
 
     def run(self) -> None:
         """Work until `stop`."""
-        while self._changed.wait() and not self._stopping:
+        while not self._stopping:
+            self._changed.wait(RETRY)
             self._changed.clear()
-            present = self._present
-            for robot_id in self._subscribers.keys() - present:
-                self._subscribers.pop(robot_id).unregister()
-            for robot_id in present:
-                if robot_id not in self._subscribers:
-                    self._subscribers[robot_id] = rospy.Subscriber(
-                        response_topic(robot_id), Empty, self._hit, robot_id, tcp_nodelay=True
-                    )
+            self._subscribe(self._present, time.monotonic())
 
     def stop(self) -> None:
         self._stopping = True
         self._changed.set()
+
+    def _subscribe(self, present: tuple[int, ...], now: float) -> None:
+        for robot_id, (subscriber, since) in list(self._subscribers.items()):
+            is_deaf = now - since >= RETRY and not subscriber.get_num_connections()
+            if robot_id not in present or is_deaf:
+                del self._subscribers[robot_id]
+                subscriber.unregister()
+        for robot_id in present:
+            if robot_id not in self._subscribers:
+                subscriber = rospy.Subscriber(response_topic(robot_id), Empty, self._hit, robot_id, tcp_nodelay=True)
+                self._subscribers[robot_id] = subscriber, now
 
     def _hit(self, _: Empty, robot_id: int) -> None:
         counted = self._game.hit(robot_id)
