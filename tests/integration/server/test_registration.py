@@ -137,8 +137,8 @@ def busy_robot(ros_master, topic: str) -> Iterator[list[str]]:
     """A node that publishes on `topic`, but cannot answer who asks for it; yields the names of those who have."""
     asked: list[str] = []
 
-    def request_topic(caller: str, *_: object) -> tuple[int, str, int]:
-        asked.append(caller)
+    def request_topic(*call: object) -> tuple[int, str, int]:
+        asked.append(str(call[0]))
         return 0, "not now", 0
 
     with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False, allow_none=True) as node:
