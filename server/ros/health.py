@@ -1,7 +1,8 @@
 """How the robots are, on `/Robot<ID>/health`. Needs an initialised node."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import rospy
@@ -9,7 +10,7 @@ import rospy
 from laser_bot_battle.msg import Health
 from laser_bot_battle.names import health_topic
 from server.health import Report, RobotsHealth
-from server.ros.robot_topics import RobotTopics
+from server.ros.robot_topics import Endpoint, RobotTopics
 
 
 class HealthListener(RobotTopics):
@@ -19,9 +20,9 @@ class HealthListener(RobotTopics):
         super().__init__()
         self._health = health
 
-    def _open(self, robot_id: int) -> Sequence[rospy.Subscriber]:
+    def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
         self._health.forget(robot_id)
-        return [rospy.Subscriber(health_topic(robot_id), Health, self._hear, robot_id, queue_size=1)]
+        return [partial(rospy.Subscriber, health_topic(robot_id), Health, self._hear, robot_id, queue_size=1)]
 
     def _hear(self, message: Health, robot_id: int) -> None:
         self._health.report(robot_id, to_report(message))

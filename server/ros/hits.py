@@ -2,7 +2,8 @@
 plain light, on `/Robot<ID>/hit` by coded light. Needs an initialised node."""
 
 import logging
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import rospy
 from std_msgs.msg import Empty
@@ -10,7 +11,7 @@ from std_msgs.msg import Empty
 from laser_bot_battle.msg import Hit, Shot
 from laser_bot_battle.names import SHOTS, hit_topic, response_topic
 from server.game.loop import GameLoop
-from server.ros.robot_topics import RobotTopics
+from server.ros.robot_topics import Endpoint, RobotTopics
 
 _log = logging.getLogger(__name__)
 
@@ -28,10 +29,11 @@ class Hits(RobotTopics):
         """Whether somebody tells of shots: our rosbridge does, another one does not."""
         return bool(self._shots.get_num_connections())
 
-    def _open(self, robot_id: int) -> Sequence[rospy.Subscriber]:
+    def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
+        subscribe = partial(rospy.Subscriber, callback_args=robot_id, tcp_nodelay=True)
         return [
-            rospy.Subscriber(response_topic(robot_id), Empty, self._hit, robot_id, tcp_nodelay=True),
-            rospy.Subscriber(hit_topic(robot_id), Hit, self._shot_hit, robot_id, tcp_nodelay=True),
+            partial(subscribe, response_topic(robot_id), Empty, self._hit),
+            partial(subscribe, hit_topic(robot_id), Hit, self._shot_hit),
         ]
 
     def _shot(self, message: Shot) -> None:

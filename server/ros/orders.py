@@ -1,7 +1,8 @@
 """What the server tells robots: how to shoot, on the latched `/Robot<ID>/setup`, and to show themselves, on
 `/Robot<ID>/identify` (std_msgs/Empty). Needs an initialised node."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import rospy
 from std_msgs.msg import Empty
@@ -10,7 +11,7 @@ from laser_bot_battle.msg import Setup
 from laser_bot_battle.names import identify_topic, setup_topic
 from server.game.light import COOLDOWN, damage_code
 from server.game.snapshot import Snapshot
-from server.ros.robot_topics import RobotTopics
+from server.ros.robot_topics import Endpoint, RobotTopics
 
 
 class Orders(RobotTopics):
@@ -32,16 +33,16 @@ class Orders(RobotTopics):
     def identify(self, robot_id: int) -> bool:
         """Whether there is somebody on the robot who can be asked to wiggle and flash. From any thread."""
         topics = self._opened.get(robot_id)
-        if topics is None or not topics[1].get_num_connections():
+        if topics is None or not topics[1].endpoint.get_num_connections():
             return False
-        topics[1].publish(Empty())
+        topics[1].endpoint.publish(Empty())
         return True
 
-    def _open(self, robot_id: int) -> Sequence[rospy.Publisher]:
+    def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
         self._told.pop(robot_id, None)
         return [
-            rospy.Publisher(setup_topic(robot_id), Setup, latch=True, queue_size=1),
-            rospy.Publisher(identify_topic(robot_id), Empty, queue_size=1),
+            partial(rospy.Publisher, setup_topic(robot_id), Setup, latch=True, queue_size=1),
+            partial(rospy.Publisher, identify_topic(robot_id), Empty, queue_size=1),
         ]
 
     def _settle(self, present: Sequence[int]) -> None:
@@ -50,7 +51,7 @@ class Orders(RobotTopics):
         for robot_id, topics in self._opened.items():
             setup = wanted.get(robot_id)
             if setup is not None and setup != self._told.get(robot_id):
-                topics[0].publish(setup)
+                topics[0].endpoint.publish(setup)
                 self._told[robot_id] = setup
 
 

@@ -1,18 +1,45 @@
 """What is open in ROS for exactly the robots that are registered. Needs an initialised node."""
 
 import threading
+import time
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
+import rospy
+
 from server.game.snapshot import Snapshot
+
+# s without a robot's node until its topic is asked for again: rospy forgets a publisher that appears in the moment of
+# subscribing, and one that did not answer at once
+RETRY = 2.0
+
+Endpoint = Any  # rospy.Publisher or rospy.Subscriber, which are not typed
+
+
+class RobotTopic:
+    """One topic of a robot, open until `close`."""
+
+    def __init__(self, make: Callable[[], Endpoint], now: float) -> None:
+        self._make, self._since = make, now
+        self.endpoint = make()
+
+    def hear_again(self, now: float) -> None:
+        """Ask for the topic again if nobody has been heard on it."""
+        is_listener = isinstance(self.endpoint, rospy.Subscriber)
+        if is_listener and now - self._since >= RETRY and not self.endpoint.get_num_connections():
+            self.close()
+            self._since, self.endpoint = now, self._make()
+
+    def close(self) -> None:
+        self.endpoint.unregister()
 
 
 class RobotTopics(ABC):
     """Opening and closing asks the ROS master, which may be slow: that is the work of a thread of its own, `run`."""
 
     def __init__(self) -> None:
-        self._opened: dict[int, Sequence[Any]] = {}  # rospy's publishers or subscribers, by robot
+        self._opened: dict[int, Sequence[RobotTopic]] = {}  # by robot
         self._present: tuple[int, ...] = ()
         self._changed = threading.Event()
         self._stopping = False
@@ -25,7 +52,8 @@ class RobotTopics(ABC):
 
     def run(self) -> None:
         """Work until `stop`."""
-        while self._changed.wait() and not self._stopping:
+        while not self._stopping:
+            self._changed.wait(RETRY)
             self._changed.clear()
             self._settle(self._present)
 
@@ -34,13 +62,17 @@ class RobotTopics(ABC):
         self._changed.set()
 
     def _settle(self, present: Sequence[int]) -> None:
+        now = time.monotonic()
         for robot_id in self._opened.keys() - set(present):
             for topic in self._opened.pop(robot_id):
-                topic.unregister()
+                topic.close()
+        for topics in self._opened.values():
+            for topic in topics:
+                topic.hear_again(now)
         for robot_id in present:
             if robot_id not in self._opened:
-                self._opened[robot_id] = self._open(robot_id)
+                self._opened[robot_id] = [RobotTopic(make, now) for make in self._open(robot_id)]
 
     @abstractmethod
-    def _open(self, robot_id: int) -> Sequence[Any]:
-        """Publishers or subscribers for the robot with this ID."""
+    def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
+        """What makes the publishers or subscribers for the robot with this ID."""

@@ -263,19 +263,24 @@ def test_a_page_that_is_too_busy_to_say_so_is_still_there(chromium: Browser) -> 
 
 def test_in_each_state_the_page_outlives_a_while_offline(chromium: Browser) -> None:
     with Battle(robots=2, LASERBOT_COUNTDOWN="8") as battle, Player(battle, "Bob") as bob:
-        ann = Person(chromium, battle, "Ann")
+        ann, cem = Person(chromium, battle, "Ann"), Person(chromium, battle, "Cem")
         banner = ann.page.locator("#banner")
 
-        def offline(told: str) -> None:
-            ann.context.set_offline(True)
-            expect(ann.page.locator(told)).to_be_visible()
-            ann.context.set_offline(False)
-            expect(ann.page.locator(told)).to_be_hidden()
+        def offline(told: str, who: Person = ann) -> None:
+            who.context.set_offline(True)
+            expect(who.page.locator(told)).to_be_visible()
+            who.context.set_offline(False)
+            expect(who.page.locator(told)).to_be_hidden()
 
         expect(ann.page.locator("#availableR")).to_have_text("1 robot is free")
         offline(".login-connection")
         ann.log_in()
         offline("#banner")
+        cem.page.locator("#username").fill("Cem")
+        cem.page.locator("#username").press("Enter")
+        expect(cem.page.locator("#queue-title")).to_be_visible()
+        offline(".login-connection", cem)
+        expect(cem.page.locator("#queue-title")).to_be_visible()
         ann.page.locator("#ready-btn").click()
         assert bob.ready() == "OK"
         expect(ann.page.locator("#countdown")).to_be_visible()
@@ -286,8 +291,12 @@ def test_in_each_state_the_page_outlives_a_while_offline(chromium: Browser) -> N
         assert bob.ready() == "STARTED"
         bob.post("signOutUser", data="Bob")
         expect(ann.page.locator("dialog[open] h2")).to_have_text("YOU WIN!")
-        ann.context.close()
-        assert ann.complaints == []
+        offline("#banner")
+        expect(ann.page.locator("dialog[open] h2")).to_have_text("YOU WIN!")
+        expect(cem.page.locator("#take")).to_be_visible()  # the queue went on
+        for person in (ann, cem):
+            person.context.close()
+            assert person.complaints == []
 
 
 def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person], battle: Battle) -> None:

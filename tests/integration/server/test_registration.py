@@ -3,9 +3,12 @@
 import json
 import socket
 import sqlite3
+import threading
 import time
-from contextlib import closing
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from urllib.parse import urlsplit
+from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
@@ -146,3 +149,33 @@ def test_peers_that_stall_while_greeting_hold_up_nobody_and_are_cut_off(server, 
         for client in stalled:
             client.close()
     assert "Traceback" not in server.program.output
+
+
+@contextmanager
+def busy_robot(ros_master, topic: str) -> Iterator[list[str]]:
+    """A node that publishes on `topic`, but cannot answer who asks for it; yields the names of those who have."""
+    asked: list[str] = []
+
+    def request_topic(*call: object) -> tuple[int, str, int]:
+        asked.append(str(call[0]))
+        return 0, "not now", 0
+
+    with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False, allow_none=True) as node:
+        node.register_function(request_topic, "requestTopic")
+        thread = threading.Thread(target=node.serve_forever)
+        thread.start()
+        master = Master(ros_master.uri, "/busy_robot")
+        uri = f"http://127.0.0.1:{node.server_address[1]}"
+        master.call("registerPublisher", topic, "std_msgs/Empty", uri)
+        try:
+            yield asked
+        finally:
+            master.call("unregisterPublisher", topic, uri)
+            node.shutdown()
+            thread.join()
+
+
+def test_a_robot_that_did_not_answer_at_once_is_asked_for_its_hits_again(server, ros_master):
+    robot = server.robot("-")
+    with busy_robot(ros_master, f"/Robot{robot.id}/response") as asked:
+        until(lambda: asked.count("/robots_server") >= 2, 10, "the server asks again")
