@@ -7,7 +7,6 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 
-from flask import Blueprint
 from waitress import wasyncore
 
 from laser_bot_battle.log import configure_logging
@@ -19,12 +18,15 @@ from server.game.referee import Referee
 from server.game.robot import Robots
 from server.game.saved import restore
 from server.game.state import State
+from server.health import RobotsHealth
 from server.node import Node, read_arguments
 from server.pulse import Pulse
+from server.ros.health import HealthListener
 from server.ros.hits import Hits
 from server.ros.id_service_server import IdServiceServer
 from server.ros.links import Links
 from server.ros.node import rospy_node
+from server.ros.orders import Orders
 from server.ros.positions import PositionsListener
 from server.ros.status import StatusPublisher
 from server.settings import VARIABLES, Settings
@@ -70,20 +72,27 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
     log.open()
     game.add_recorder(database.record)
     game.add_recorder(log.record)
-    hits = Hits(game)
+    health = RobotsHealth()
+    hits, orders, reports = Hits(game), Orders(), HealthListener(health)
     positions = PositionsListener(database.keep_piece)
     links = Links(game, Master(settings.node.master_uri, SERVER_NODE))
-    game.add_listener(StatusPublisher().publish)
-    game.add_listener(hits.follow)
+    game.add_listener(StatusPublisher(health).publish)
+    for robots in (hits, orders, reports):
+        game.add_listener(robots.follow)
     game.add_listener(links.follow)
     game.add_listener(positions.follow)
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
-    app = create_app(game, settings, create_watch(game, settings), *_operators(game, settings, database, log))
+    access = Access(settings.operator_token)
+    desk = create_operator_api(game, settings, access, database, log, health=health, identify=orders.identify)
+    watch = create_watch(game, settings, health)
+    app = create_app(game, settings, watch, create_operator(access), desk)
     web = FairServer(app, listener, channels)
     game.add_listener(Pulse(web).follow)
     game.start()
     node.start_thread("hits", hits.run)
+    node.start_thread("orders", orders.run)
+    node.start_thread("health", reports.run)
     node.start_thread("links", links.run)
     serving = node.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.node.bind, settings.node.port)
@@ -96,13 +105,9 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
         with suppress(OSError):  # the loop was awake, and has closed the trigger before it was pulled
             web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
         serving.join(_CLOSE_WITHIN)
-        hits.stop()
+        for robots in (hits, orders, reports):
+            robots.stop()
         links.stop()
-
-
-def _operators(game: GameLoop, settings: Settings, database: Database, log: EventLog) -> tuple[Blueprint, ...]:
-    access = Access(settings.operator_token)
-    return create_operator(access), create_operator_api(game, settings, access, database, log)
 
 
 def _state(database: Database, roster: Roster, settings: Settings) -> State:

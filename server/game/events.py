@@ -128,6 +128,17 @@ class ReadyChanged:
 
 
 @dataclass(frozen=True, slots=True)
+class TeamChosen:
+    """For the battles to come."""
+
+    name: str
+    team: int  # 0: the referee deals it
+
+    def __str__(self) -> str:
+        return f"{self.name} wants to be in team {self.team}" if self.team else f"{self.name} leaves the team open"
+
+
+@dataclass(frozen=True, slots=True)
 class CountdownStarted:
     seconds: float
 
@@ -156,6 +167,7 @@ class Fighter:
     name: str
     robot: int
     avatar: int
+    team: int = 0  # 0: fights alone
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,9 +176,12 @@ class BattleStarted:
     seconds: float  # to its time limit
     fighters: tuple[Fighter, ...]
     by: str = ""  # before the countdown was over
+    teams: int = 0  # 0: everybody fights alone
 
     def __str__(self) -> str:
-        names = ", ".join(fighter.name for fighter in self.fighters)
+        names = ", ".join(
+            f"{fighter.name} (team {fighter.team})" if fighter.team else fighter.name for fighter in self.fighters
+        )
         return f"battle {self.battle} started: {names}{_signature(self.by)}"
 
 
@@ -175,9 +190,11 @@ class Hit:
     name: str  # who was hit
     robot: int
     life: int  # that is left
+    by: str = ""  # the player who has shot; empty: the light does not tell
 
     def __str__(self) -> str:
-        return f"{self.name} (robot {self.robot}) has been hit, life {self.life}"
+        shooter = f" by {self.by}" if self.by else ""
+        return f"{self.name} (robot {self.robot}) has been hit{shooter}, life {self.life}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -319,6 +336,7 @@ Event = (
     | Unseated
     | Left
     | ReadyChanged
+    | TeamChosen
     | CountdownStarted
     | CountdownStopped
     | BattleStarted

@@ -76,9 +76,17 @@ class GameLoop:
         with self._event() as now:
             self._referee.robots_linked(linked, now)
 
-    def hit(self, robot_id: int) -> bool:
+    def shot(self, robot_id: int) -> bool:
         with self._event() as now:
-            return self._referee.hit(robot_id, now)
+            return self._referee.shot(robot_id, now)
+
+    def hit(self, robot_id: int, *, shots_told: bool = False) -> bool:
+        with self._event() as now:
+            return self._referee.hit(robot_id, now, shots_told=shots_told)
+
+    def shot_hit(self, robot_id: int, shooter: int, code: int, *, shots_told: bool = False) -> bool:
+        with self._event() as now:
+            return self._referee.shot_hit(robot_id, shooter, code, now, shots_told=shots_told)
 
     def sign_up(
         self,
@@ -107,6 +115,10 @@ class GameLoop:
     def set_ready(self, name: str, ready: bool, session: str) -> Verdict:
         with self._event() as now:
             return self._referee.set_ready(name, ready, session, now)
+
+    def choose_team(self, name: str, team: int, session: str) -> Verdict:
+        with self._event() as now:
+            return self._referee.choose_team(name, team, session, now)
 
     def seen(self, session: str) -> Player | Waiter | None:
         with self._event() as now:

@@ -27,6 +27,10 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
                 "life": player.life,
                 "ready": player.ready,
                 "avatar": player.avatar,
+                "team": player.team,
+                "shots": player.shots,
+                "hits": player.hits,
+                "kills": player.kills,
                 "seat_left": player.seat_left,
                 "page_age": now - state.users.user(player.name).seen,
             }
@@ -42,6 +46,7 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
                 "default": getattr(configured, name),
                 "min": variable.lowest,
                 "max": variable.highest,
+                "words": list(variable.words),
                 "text": variable.text,
             }
             for name, variable in DECLARED.items()

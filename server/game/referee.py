@@ -16,15 +16,18 @@ from typing import Any
 from laser_bot_battle.names import Game
 from server.game import desk, events, seats
 from server.game.events import Event, Recorded
+from server.game.light import DAMAGES
 from server.game.overview import overview
 from server.game.robot import Robot
 from server.game.rules import Rules
 from server.game.saved import save
+from server.game.shooting import Shooting
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.state import State
+from server.game.teams import sides
 from server.game.users import User, Waiting, contains_word, is_same_name
 
-FRESH = 0.1  # s that the seconds of seats and queue may be old
+FRESH = 0.1  # s that the seconds of seats and queue, and the counts of shots, may be old
 
 
 class Verdict(Enum):
@@ -42,6 +45,7 @@ class Verdict(Enum):
     UNKNOWN_ROBOT = auto()
     UNKNOWN_USER = auto()
     NOT_YOURS = auto()  # the session is not that user's, or the key not that robot's
+    NO_TEAM = auto()  # there are not so many
     STARTED = auto()  # not while a battle runs
 
 
@@ -58,11 +62,13 @@ class Referee:
         self._state = state or State()
         self._rules = replace(rules, **self._state.rules)
         self._journal: list[Recorded] = []
+        self._shooting = Shooting()
         # Most calls are signs of life, which decide nothing: for them, these spare the way through robots and players.
         self._due = -math.inf  # no deadline passes before that
         self._at = -math.inf  # time of the last deadline or call
         self._latest: Snapshot | None = None  # as of some time since the last event
         self._latest_at = -math.inf
+        self._uncounted = False  # shots have been fired since
 
     # robots
 
@@ -100,18 +106,43 @@ class Referee:
                 self._decide(events.RobotLinked(robot.id, not robot.linked, robot.caller), now)
         self._settle_seats(now)
 
-    def hit(self, robot_id: int, now: float) -> bool:
-        """A robot's sensor was hit; whether it has cost its player life."""
+    def shot(self, robot_id: int, now: float) -> bool:
+        """A robot was told to shoot; whether that is a shot of a living fighter."""
         self.tick(now)
-        robot = self._state.robots.get_robot(robot_id)
-        user = self._state.users.get_user(robot.user) if robot and robot.user else None
-        if self._state.game is not Game.PLAYING or user is None or not user.is_fighting:
+        shooter = self._fighter_on(robot_id)
+        if shooter is None or not self._shooting.fire(robot_id, shooter, now):
             return False
-        if self._state.paused_at is not None or robot is None or not robot.can_be_hit(now):
-            return False
-        self._decide(events.Hit(user.name, robot_id, max(0, user.life - self._rules.hit_damage)), now)
-        self._settle(now, f"{user.name} was shot down")
+        shooter.shots += 1
+        self._uncounted = True
         return True
+
+    def hit(self, robot_id: int, now: float, *, shots_told: bool = False) -> bool:
+        """A robot's sensor has seen plain light; whether it has cost its player life.
+
+        `shots_told`: each shot is told to the referee, so that light without one is none. Otherwise any light counts.
+        """
+        self.tick(now)
+        robot, victim = self._state.robots.get_robot(robot_id), self._fighter_on(robot_id)
+        if self._rules.is_coded or robot is None or victim is None or not robot.can_be_hit(now):
+            return False
+        by: str | None = ""
+        if shots_told:
+            by = self._shooting.plain_hit(robot_id, victim, self._rules.friendly_fire, now)
+        return by is not None and self._wound(victim, self._rules.hit_damage, by, now)
+
+    def shot_hit(self, robot_id: int, shooter: int, code: int, now: float, *, shots_told: bool = False) -> bool:
+        """A robot has received a coded shot of the robot `shooter`, with that code of damage; whether it has cost its
+        player life. Without `shots_told`, the light itself is the news of the shot."""
+        self.tick(now)
+        victim = self._fighter_on(robot_id)
+        if not self._rules.is_coded or victim is None:
+            return False
+        fighter = None if shots_told else self._fighter_on(shooter)
+        if fighter is not None:
+            self._shooting.fire(shooter, fighter, now)
+        by = self._shooting.coded_hit(robot_id, victim, shooter, self._rules.friendly_fire, now)
+        damage = DAMAGES[code % len(DAMAGES)] if self._rules.light_damage else self._rules.hit_damage
+        return by is not None and self._wound(victim, damage, by, now)
 
     # players
 
@@ -200,6 +231,22 @@ class Referee:
             self._settle(now, f"{user.name} is no longer ready")
         return Verdict.OK
 
+    def choose_team(self, name: str, team: int, session: str, now: float) -> Verdict:
+        """For the battles to come; 0: the referee deals it. OK, STARTED, UNKNOWN_USER, NOT_YOURS or NO_TEAM."""
+        self.tick(now)
+        if self._state.game is Game.PLAYING:
+            return Verdict.STARTED
+        user = self._named(name)
+        if not isinstance(user, User):
+            return Verdict.UNKNOWN_USER
+        if user.session != session:
+            return Verdict.NOT_YOURS
+        if team not in range(self._rules.teams + 1):
+            return Verdict.NO_TEAM
+        if user.wish != team:
+            self._decide(events.TeamChosen(user.name, team), now)
+        return Verdict.OK
+
     def seen(self, session: str, now: float) -> Player | Waiter | None:
         """A sign of life of the page with that session; its player, or who waits on it; None if there is none."""
         self.tick(now)
@@ -271,8 +318,9 @@ class Referee:
     def snapshot(self, now: float) -> Snapshot:
         self.tick(now)
         state = self._state
-        if self._latest is None or (state.queue and now >= self._latest_at + FRESH):
-            self._latest, self._latest_at = self._new_snapshot(now), now
+        is_old = (state.queue or self._uncounted) and now >= self._latest_at + FRESH
+        if self._latest is None or is_old:
+            self._latest, self._latest_at, self._uncounted = self._new_snapshot(now), now, False
         else:  # while nobody waits, no seat ends: time passes for the clock only
             self._latest = replace(self._latest, time_left=state.time_left(now))
         return self._latest
@@ -292,6 +340,10 @@ class Referee:
             queue=tuple(self._waiter(waiting, place, now) for place, waiting in enumerate(state.queue, 1)),
             practice=self._rules.practice,
             result=state.result,
+            teams=state.teams if state.game is Game.PLAYING else self._rules.teams,
+            coded=self._rules.is_coded,
+            damage=self._rules.hit_damage,
+            happened=state.happened,
         )
 
     def saved(self, now: float) -> dict[str, Any]:
@@ -313,15 +365,27 @@ class Referee:
             self._decide(events.CountdownStarted(self._rules.countdown), now)
         elif self._state.game is Game.COUNTDOWN and len(ready) < 2:
             self._decide(events.CountdownStopped(cause), now)
-        elif self._state.game is Game.PLAYING and len(users.get_users_alive()) < 2:
+        elif self._state.game is Game.PLAYING and sides(users.get_users_alive()) < 2:
             self._end_battle(now, cause)
 
     def _start_battle(self, now: float) -> None:
-        self._decide(self._state.next_battle(self._rules.battle_limit), now)
+        self._decide(self._state.next_battle(self._rules.battle_limit, self._rules.teams), now)
 
     def _end_battle(self, now: float, cause: str) -> None:
         self._decide(events.BattleEnded(self._state.battle, cause, self._state.ranking()), now)
         self._settle_seats(now)
+
+    def _fighter_on(self, robot_id: int) -> User | None:
+        """Who drives that robot, alive in a battle that runs."""
+        robot = self._state.robots.get_robot(robot_id)
+        user = self._state.users.get_user(robot.user) if robot and robot.user else None
+        runs = self._state.game is Game.PLAYING and self._state.paused_at is None
+        return user if runs and user is not None and user.is_fighting else None
+
+    def _wound(self, victim: User, damage: int, by: str, now: float) -> bool:
+        self._decide(events.Hit(victim.name, victim.robot, max(0, victim.life - damage), by), now)
+        self._settle(now, f"{victim.name} was shot down")
+        return True
 
     def _lose_robot(self, robot: Robot, now: float) -> None:
         self._decide(events.RobotGone(robot.id), now)
@@ -364,7 +428,20 @@ class Referee:
     def _player(self, user: User, now: float) -> Player:
         ends = seats.seat_ends(user, self._state, self._rules)
         seat_left = 0.0 if ends is None else max(0.1, ends - now)
-        return Player(user.name, user.robot, user.life, user.ready, user.avatar, user.session, seat_left)
+        wish = user.wish if user.wish <= self._rules.teams else 0
+        return Player(
+            name=user.name,
+            robot=user.robot,
+            life=user.life,
+            ready=user.ready,
+            avatar=user.avatar,
+            session=user.session,
+            team=user.team if self._state.game is Game.PLAYING else wish,
+            hits=user.hits,
+            kills=user.kills,
+            shots=user.shots,
+            seat_left=seat_left,
+        )
 
     def _waiter(self, waiting: Waiting, place: int, now: float) -> Waiter:
         seconds = (

@@ -11,7 +11,7 @@ from server.game.state import State
 def replay(recorded: Iterable[Recorded]) -> tuple[Placing, ...]:
     """The result of the last battle in these events, as they lead to it; () if none has ended.
 
-    What the referee wrote down as its result is not looked at.
+    What the referee wrote down as its result is not looked at, but for the shots: not each of them is an event.
     """
     state = State()
     result: tuple[Placing, ...] = ()
@@ -29,5 +29,9 @@ def replay(recorded: Iterable[Recorded]) -> tuple[Placing, ...]:
             case events.RobotGone(robot) if state.robots.get_robot(robot):
                 state.apply(one.event, one.at)
             case events.BattleEnded():
+                for placing in one.event.result:
+                    fought = state.fighter(placing.name)
+                    if fought is not None:
+                        fought.shots = placing.shots
                 result = state.ranking()
     return result

@@ -13,6 +13,10 @@ class Rules:
     """Times in seconds."""
 
     hit_damage: int = variables.HIT_DAMAGE.default
+    light: str = variables.LIGHT.default  # plain or coded
+    teams: int = variables.TEAMS.default  # 0: everybody fights alone
+    friendly_fire: bool = variables.FRIENDLY_FIRE.default
+    light_damage: bool = variables.LIGHT_DAMAGE.default  # a coded hit takes what its code says
     countdown: float = variables.COUNTDOWN.default
     battle_limit: float = variables.BATTLE_LIMIT.default
     player_timeout: float = variables.PLAYER_TIMEOUT.default  # a fighter's page that is silent for so long has gone
@@ -25,10 +29,19 @@ class Rules:
     robot_timeout: float = 3.0  # within the 2 to 4 s of the manual's sweep
     robot_return: float = 10.0  # a robot's program that starts again needs 5 to 8
 
+    @property
+    def is_coded(self) -> bool:
+        """Whether the light tells who has shot."""
+        return self.light == "coded"
+
 
 # the rules that can be chosen, by the variables that set them and know their bounds
 DECLARED: Mapping[str, Variable[Any]] = {
     "hit_damage": variables.HIT_DAMAGE,
+    "light": variables.LIGHT,
+    "teams": variables.TEAMS,
+    "friendly_fire": variables.FRIENDLY_FIRE,
+    "light_damage": variables.LIGHT_DAMAGE,
     "countdown": variables.COUNTDOWN,
     "battle_limit": variables.BATTLE_LIMIT,
     "player_timeout": variables.PLAYER_TIMEOUT,
@@ -48,7 +61,8 @@ def checked(rule: str, value: object) -> Any:
         if isinstance(value, bool):
             return value
         raise ValueError(f"{rule} must be true or false")
-    text = str(value) if isinstance(value, int | float) and not isinstance(value, bool) else "none"
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    text = str(value) if is_number or (variable.words and isinstance(value, str)) else "none"
     try:
         return variable.parse(text)
     except ValueError as error:

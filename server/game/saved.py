@@ -9,7 +9,7 @@ from typing import Any
 from laser_bot_battle.names import Game
 from server.game.robot import Robot, Robots
 from server.game.rules import DECLARED
-from server.game.snapshot import Placing
+from server.game.snapshot import Happening, Placing
 from server.game.state import State
 from server.game.users import User, Users, Waiting
 
@@ -31,6 +31,9 @@ def save(state: State, now: float) -> dict[str, Any]:
         "queue": [_save_waiting(waiting, now) for waiting in state.queue],
         "leavers": [_save_user(user, now) for user in state.leavers],
         "result": [_fields(placing) for placing in state.result],
+        "teams": state.teams,
+        "happened": [_fields(happening) for happening in state.happened],
+        "happenings": state.happenings,
         "out_of_service": sorted(state.robots.out_of_service),
         "rules": dict(state.rules),
         "banned": state.banned[:],
@@ -83,6 +86,9 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             queue_since=now,
             leavers=[_restore_user(fields, then, now) for fields in saved["leavers"]],
             result=tuple(Placing(**fields) for fields in saved["result"]),
+            teams=int(saved.get("teams", 0)),
+            happened=tuple(Happening(**fields) for fields in saved.get("happened", ())),
+            happenings=int(saved.get("happenings", 0)),
             rules={rule: value for rule, value in saved.get("rules", {}).items() if rule in DECLARED},
             banned=list(saved.get("banned", ())),
             words=tuple(saved.get("words", ())),
@@ -92,8 +98,8 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
         raise ValueError(f"not a state of the game: {error!r}") from None
 
 
-def _fields(placing: Placing) -> dict[str, Any]:
-    return {name: getattr(placing, name) for name in Placing.__slots__}
+def _fields(one: Placing | Happening) -> dict[str, Any]:
+    return {name: getattr(one, name) for name in type(one).__slots__}
 
 
 def _save_robot(robot: Robot) -> dict[str, Any]:
@@ -119,6 +125,11 @@ def _save_user(user: User, now: float) -> dict[str, Any]:
         "gone": None if user.robot_gone_at is None else user.robot_gone_at - now,
         "battles": user.battles,
         "address": user.address,
+        "wish": user.wish,
+        "team": user.team,
+        "shots": user.shots,
+        "hits": user.hits,
+        "kills": user.kills,
     }
 
 
@@ -154,6 +165,7 @@ def _restore_user(fields: Mapping[str, Any], then: float, now: float) -> User:
         robot_gone_at=moment(fields["gone"]),
         battles=fields["battles"],
         address=fields["address"],
+        **{name: int(fields.get(name, 0)) for name in ("wish", "team", "shots", "hits", "kills")},
     )
 
 

@@ -15,6 +15,11 @@ class Player:
     ready: bool
     avatar: int
     session: str
+    team: int = 0  # in a battle, or chosen for the next one; 0: everybody fights alone, or it will be dealt
+    # in the running or the last battle
+    hits: int = 0  # shots that have met somebody else, as far as that is known
+    kills: int = 0
+    shots: int = field(default=0, compare=False)  # nobody has to hear of each at once
     seat_left: float = field(default=0.0, compare=False)  # s until the seat passes on to others; 0: it stays
 
 
@@ -40,11 +45,25 @@ class Placing:
     avatar: int
     place: int
     left: bool
+    team: int = 0  # 0: everybody has fought alone
+    shots: int = 0  # fired
+    hits: int = 0  # of them that have met somebody else, as far as that is known
+    kills: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """A hit that has cost life."""
+
+    number: int  # grows by one, through all battles
+    name: str  # who was hit
+    by: str  # who has shot; empty: the light does not tell
+    life: int  # that is left
 
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """Everything at one moment. Two snapshots are equal when they differ in nothing but the time left."""
+    """Everything at one moment. Two snapshots are equal when they differ in nothing but the time left and the shots."""
 
     game: Game
     time_left: float = field(compare=False)  # s to the battle (COUNTDOWN) or to its time limit (PLAYING), else 0
@@ -58,6 +77,10 @@ class Snapshot:
     queue: tuple[Waiter, ...]  # the next one first
     practice: bool  # whether players may drive without a battle
     result: tuple[Placing, ...]  # of the last battle, best first; empty from the next countdown on
+    teams: int  # of the running battle, or of the next one; 0: everybody fights alone
+    coded: bool  # the light tells who has shot
+    damage: int  # life that a shot is to take
+    happened: tuple[Happening, ...]  # in the running or the last battle, the newest last
 
     @property
     def available_robots(self) -> int:

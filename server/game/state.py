@@ -7,9 +7,13 @@ from typing import Any
 from laser_bot_battle.names import Game
 from server.game import events
 from server.game.events import Event
+from server.game.ranking import ranks
 from server.game.robot import Robots
-from server.game.snapshot import Placing
+from server.game.snapshot import Happening, Placing
+from server.game.teams import are_friends, deal
 from server.game.users import User, Users, Waiting, is_same_name
+
+TOLD = 8  # of what has happened in a battle, the newest
 
 
 @dataclass
@@ -27,6 +31,9 @@ class State:
     queue_since: float = 0.0  # since when somebody has been waiting
     leavers: list[User] = field(default_factory=list)  # who was in the running battle and has gone
     result: tuple[Placing, ...] = ()
+    teams: int = 0  # of the running or the last battle; 0: everybody fights alone
+    happened: tuple[Happening, ...] = ()  # in it, at most `TOLD`
+    happenings: int = 0  # in all battles so far
     # what operators have decided
     rules: Mapping[str, Any] = field(default_factory=dict)  # values instead of the environment's
     banned: list[str] = field(default_factory=list)  # names
@@ -77,19 +84,16 @@ class State:
         match event:
             case events.ReadyChanged(name, ready):
                 self._set_ready(self.users.user(name), ready, at)
+            case events.TeamChosen(name, team):
+                self.users.user(name).wish = team
             case events.CountdownStarted(seconds):
                 self._start_countdown(at + seconds)
             case events.CountdownStopped():
                 self._stop_countdown(event, at)
-            case events.BattleStarted(battle, seconds):
-                self.game, self.battle, self.ends_at, self.paused_at = Game.PLAYING, battle, at + seconds, None
-                self.users.users_sort()
-                for waiting in self.queue:
-                    waiting.passed_on = False
-            case events.Hit(name, robot, life):
-                self.users.user(name).wound(life, at)
-                self.robots.note_hit(robot, at)
-                self.users.users_sort()  # stays so after the battle: old pages read the winner from the list
+            case events.BattleStarted():
+                self._start_battle(event, at)
+            case events.Hit():
+                self._hit(event, at)
             case events.BattleEnded():
                 self._end_battle(event, at)
             case _:
@@ -122,26 +126,35 @@ class State:
             return 0.0
         return max(0.0, self.ends_at - (now if self.paused_at is None else self.paused_at))
 
-    def next_battle(self, seconds: float, by: str = "") -> events.BattleStarted:
+    def next_battle(self, seconds: float, teams: int, by: str = "") -> events.BattleStarted:
         """The start of a battle of all who are ready."""
         ready = self.users.get_users_ready()
-        fighters = tuple(events.Fighter(user.name, user.robot, user.avatar) for user in ready)
-        return events.BattleStarted(self.battle + 1, seconds, fighters, by)
+        dealt = zip(ready, deal(ready, teams), strict=True)
+        fighters = tuple(events.Fighter(user.name, user.robot, user.avatar, team) for user, team in dealt)
+        return events.BattleStarted(self.battle + 1, seconds, fighters, by, teams)
+
+    def fighter(self, name: str) -> User | None:
+        """Who fights in the running battle under that name, or has fought in it and left."""
+        return next((user for user in [*self.users.get_users_ready(), *self.leavers] if user.name == name), None)
 
     def ranking(self) -> tuple[Placing, ...]:
         """Of the running battle, best first; who stands equal shares the place, and the places after it stay empty."""
-        ranked = sorted([*self.users.get_users_ready(), *self.leavers], key=lambda user: user.standing)
-        standings = [user.standing for user in ranked]
+        ranked = ranks([*self.users.get_users_ready(), *self.leavers])
+        standings = [rank.standing for rank, _ in ranked]
         return tuple(
             Placing(
                 name=user.name,
                 robot=user.robot,
                 life=user.life,
                 avatar=user.avatar,
-                place=standings.index(user.standing) + 1,
+                place=standings.index(rank.standing) + 1,
                 left=user.left_at is not None,
+                team=user.team,
+                shots=user.shots,
+                hits=user.hits,
+                kills=user.kills,
             )
-            for user in ranked
+            for rank, user in ranked
         )
 
     def waiting(self, name: str) -> Waiting:
@@ -232,7 +245,13 @@ class State:
             self.leavers.append(replace(user, left_at=at))
         user.ready, user.idle_since = False, at
         if self.game is Game.PLAYING:
-            self.users.users_sort()
+            self._put_in_order()
+
+    def _put_in_order(self) -> None:
+        """It stays so after the battle: old pages read the winner from the list."""
+        ranked = ranks([*self.users, *self.leavers])
+        leavers = {id(user) for user in self.leavers}
+        self.users.put_in_order(user for _, user in ranked if id(user) not in leavers)
 
     def _set_ready(self, user: User, ready: bool, at: float) -> None:
         user.ready = ready
@@ -254,6 +273,28 @@ class State:
         self.game, self.notice, self.paused_at = Game.STOPPED, event.notice, None
         for user in self.users.get_users_ready() if event.by else ():
             user.ready, user.idle_since = False, at
+
+    def _start_battle(self, event: events.BattleStarted, at: float) -> None:
+        self.game, self.battle, self.ends_at, self.paused_at = Game.PLAYING, event.battle, at + event.seconds, None
+        self.teams, self.happened = event.teams, ()
+        teams = {fighter.name: fighter.team for fighter in event.fighters}
+        for user in self.users:
+            user.enter_battle(teams.get(user.name, 0))
+        self._put_in_order()
+        for waiting in self.queue:
+            waiting.passed_on = False
+
+    def _hit(self, event: events.Hit, at: float) -> None:
+        user = self.users.user(event.name)
+        user.wound(event.life, at)
+        self.robots.note_hit(event.robot, at)
+        shooter = self.fighter(event.by) if event.by else None
+        if shooter is not None and not are_friends(shooter, user):
+            shooter.hits += 1
+            shooter.kills += event.life == 0
+        self.happenings += 1
+        self.happened = (*self.happened, Happening(self.happenings, event.name, event.by, event.life))[-TOLD:]
+        self._put_in_order()
 
     def _end_battle(self, event: events.BattleEnded, at: float) -> None:
         self.game, self.notice, self.paused_at = Game.STOPPED, f"Battle over: {event.cause}.", None

@@ -2,11 +2,12 @@
 
 import re
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 FULL_LIFE = 100
 AVATARS = 5
+FIGHTING, DEAD, QUIT, WATCHING = range(4)  # how a player may stand, best first
 
 MAX_NAME = 16  # characters
 
@@ -64,6 +65,12 @@ class User:
     robot_gone_at: float | None = None  # when the robot fell silent; None while it is there
     battles: int = 0  # since the player has this seat
     address: str = ""  # a mark of the page's, "" if it is not known
+    wish: int = 0  # the team that the player has chosen; 0: none
+    # of the running or the last battle
+    team: int = 0  # 0: fights alone
+    shots: int = 0
+    hits: int = 0  # shots that have met somebody else, as far as that is known
+    kills: int = 0
 
     @property
     def is_fighting(self) -> bool:
@@ -78,12 +85,16 @@ class User:
         first, then those who do not play. Who leaves after death stays among the dead.
         """
         if not self.ready:
-            return (3, 0.0)
+            return (WATCHING, 0.0)
         if self.died_at is not None:
-            return (1, -self.died_at)
+            return (DEAD, -self.died_at)
         if self.left_at is not None:
-            return (2, -self.left_at)
-        return (0, -self.life)
+            return (QUIT, -self.left_at)
+        return (FIGHTING, -self.life)
+
+    def enter_battle(self, team: int) -> None:
+        """A battle begins, in which the player fights for that team."""
+        self.team, self.shots, self.hits, self.kills = team, 0, 0, 0
 
     def revive(self) -> None:
         """Full life for a new battle."""
@@ -149,6 +160,6 @@ class Users:
     def get_users_alive(self) -> list[User]:
         return [user for user in self._users if user.is_fighting]
 
-    def users_sort(self) -> None:
-        """Put the users in ranking order; equals keep their order."""
-        self._users.sort(key=lambda user: user.standing)
+    def put_in_order(self, ordered: Iterable[User]) -> None:
+        """`ordered` has the users in another order."""
+        self._users = list(ordered)

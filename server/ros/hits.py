@@ -1,54 +1,47 @@
-"""The hits that robots report on `/Robot<ID>/response` (std_msgs/Empty). Needs an initialised node."""
+"""The shots that are fired, on `/shots`, and the hits that robots report: on `/Robot<ID>/response` (std_msgs/Empty) by
+plain light, on `/Robot<ID>/hit` by coded light. Needs an initialised node."""
 
 import logging
-import threading
+from collections.abc import Sequence
 
 import rospy
 from std_msgs.msg import Empty
 
-from laser_bot_battle.names import response_topic
+from laser_bot_battle.msg import Hit, Shot
+from laser_bot_battle.names import SHOTS, hit_topic, response_topic
 from server.game.loop import GameLoop
-from server.game.snapshot import Snapshot
+from server.ros.robot_topics import RobotTopics
 
 _log = logging.getLogger(__name__)
 
 
-class Hits:
-    """Listens to exactly the robots that are registered.
-
-    Subscribing asks the ROS master, which may be slow: that is the work of a thread of its own, `run`.
-    """
+class Hits(RobotTopics):
+    """Listens to exactly the robots that are registered."""
 
     def __init__(self, game: GameLoop) -> None:
+        super().__init__()
         self._game = game
-        self._subscribers: dict[int, rospy.Subscriber] = {}
-        self._present: tuple[int, ...] = ()
-        self._changed = threading.Event()
-        self._stopping = False
+        self._shots = rospy.Subscriber(SHOTS, Shot, self._shot, tcp_nodelay=True)
 
-    def follow(self, snapshot: Snapshot) -> None:
-        """A listener of the game; does not block."""
-        if snapshot.robots != self._present:
-            self._present = snapshot.robots
-            self._changed.set()
+    @property
+    def _shots_told(self) -> bool:
+        """Whether somebody tells of shots: our rosbridge does, another one does not."""
+        return bool(self._shots.get_num_connections())
 
-    def run(self) -> None:
-        """Work until `stop`."""
-        while self._changed.wait() and not self._stopping:
-            self._changed.clear()
-            present = self._present
-            for robot_id in self._subscribers.keys() - present:
-                self._subscribers.pop(robot_id).unregister()
-            for robot_id in present:
-                if robot_id not in self._subscribers:
-                    self._subscribers[robot_id] = rospy.Subscriber(
-                        response_topic(robot_id), Empty, self._hit, robot_id, tcp_nodelay=True
-                    )
+    def _open(self, robot_id: int) -> Sequence[rospy.Subscriber]:
+        return [
+            rospy.Subscriber(response_topic(robot_id), Empty, self._hit, robot_id, tcp_nodelay=True),
+            rospy.Subscriber(hit_topic(robot_id), Hit, self._shot_hit, robot_id, tcp_nodelay=True),
+        ]
 
-    def stop(self) -> None:
-        self._stopping = True
-        self._changed.set()
+    def _shot(self, message: Shot) -> None:
+        self._game.shot(message.robot)
 
     def _hit(self, _: Empty, robot_id: int) -> None:
-        counted = self._game.hit(robot_id)
+        counted = self._game.hit(robot_id, shots_told=self._shots_told)
         _log.debug("robot %d reports a hit%s", robot_id, "" if counted else ", which does not count")
+
+    def _shot_hit(self, message: Hit, robot_id: int) -> None:
+        counted = self._game.shot_hit(robot_id, message.shooter, message.damage, shots_told=self._shots_told)
+        by = f"by robot {message.shooter}"
+        _log.debug("robot %d reports a hit %s%s", robot_id, by, "" if counted else ", which does not count")

@@ -1,24 +1,28 @@
 """The latched topic `/game_status`: everyone hears the state of the battle. Needs an initialised node."""
 
+from collections.abc import Set
+
 import rospy
 
-from laser_bot_battle.msg import GameStatus, UserStatus
+from laser_bot_battle.msg import GameEvent, GameStatus, UserStatus
 from laser_bot_battle.names import GAME_STATUS
 from server.game.snapshot import Snapshot
+from server.health import RobotsHealth
 
 
 class StatusPublisher:
-    def __init__(self) -> None:
+    def __init__(self, health: RobotsHealth) -> None:
+        self._health = health
         self._publisher = rospy.Publisher(GAME_STATUS, GameStatus, latch=True, queue_size=10)
 
     def publish(self, snapshot: Snapshot) -> None:
         """A listener of the game; rospy's own threads do the sending."""
         if not rospy.is_shutdown():
-            self._publisher.publish(to_message(snapshot))
+            self._publisher.publish(to_message(snapshot, self._health.weak()))
 
 
-def to_message(snapshot: Snapshot) -> GameStatus:
-    """The wire form of a snapshot, see GameStatus.msg."""
+def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
+    """The wire form of a snapshot, see GameStatus.msg. `weak` are robots with too little voltage."""
     return GameStatus(
         game=snapshot.game.value,
         time_left=snapshot.time_left,
@@ -28,6 +32,8 @@ def to_message(snapshot: Snapshot) -> GameStatus:
         message=snapshot.message,
         available_robots=snapshot.available_robots,
         practice=snapshot.practice,
+        teams=snapshot.teams,
+        coded=snapshot.coded,
         queue=[waiter.name for waiter in snapshot.queue],
         users=[
             UserStatus(
@@ -38,6 +44,11 @@ def to_message(snapshot: Snapshot) -> GameStatus:
                 avatar=player.avatar,
                 session=player.session,
                 seat_left=player.seat_left,
+                team=player.team,
+                shots=player.shots,
+                hits=player.hits,
+                kills=player.kills,
+                weak=player.robot in weak,
             )
             for player in snapshot.players
         ],
@@ -49,7 +60,21 @@ def to_message(snapshot: Snapshot) -> GameStatus:
                 avatar=placing.avatar,
                 place=placing.place,
                 left=placing.left,
+                team=placing.team,
+                shots=placing.shots,
+                hits=placing.hits,
+                kills=placing.kills,
             )
             for placing in snapshot.result
+        ],
+        events=[
+            GameEvent(
+                number=one.number,
+                kind=GameEvent.HIT if one.life else GameEvent.OUT,
+                name=one.name,
+                by=one.by,
+                life=one.life,
+            )
+            for one in snapshot.happened
         ],
     )

@@ -9,7 +9,7 @@ from typing import Any
 import genpy
 
 from laser_bot_battle.msg import GameStatus
-from laser_bot_battle.names import GAME_STATUS
+from laser_bot_battle.names import GAME_STATUS, SHOTS
 from server.rosbridge.clock import Clock
 from server.rosbridge.context import OWN_TYPES
 from server.rosbridge.conversion import ConversionError, MessageType, Types
@@ -37,6 +37,7 @@ from server.rosbridge.graph import Graph
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
+from server.rosbridge.shots import SHOT_TYPE
 from server.rosbridge.subscription import Subscription
 from server.rosbridge.websocket.connection import Connection
 from server.rosbridge.websocket.places import Place, place_of
@@ -89,6 +90,8 @@ class Bridge:
         self._status_type = types.message(STATUS_TYPE)
         subscription = Subscription(GATE, GAME_STATUS)
         self._perform(None, self._graph.subscribe(GAME_STATUS, self._status_type, subscription))
+        # from the beginning: the referee trusts light alone as long as nobody is there who tells of shots
+        self._perform(None, self._graph.advertise(GATE, SHOTS, types.message(SHOT_TYPE), latch=False))
         self._loop.call_later(TICK, self._tick)
 
     def connected(self, connection: Connection, identity: Identity) -> Client:

@@ -5,6 +5,7 @@ from collections.abc import Hashable
 from laser_bot_battle.names import ROBOT_IDS, command_topic
 from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Gate, Identity
+from server.rosbridge.shots import Shots
 
 COMMAND_TOPICS = frozenset(map(command_topic, ROBOT_IDS))
 NEUTRAL = bytes(3)  # a serialized Robot_msg that neither moves nor shoots
@@ -15,6 +16,7 @@ class Drivers:
     stops robots is returned as neutral commands."""
 
     def __init__(self) -> None:
+        self.shots = Shots()
         self._moving: dict[str, tuple[Hashable, Identity]] = {}
 
     def commanded(self, client: Hashable, who: Identity, topic: str, command: bytes) -> None:

@@ -19,6 +19,10 @@ class Course:
     lives: list[tuple[float, int]] = field(default_factory=lambda: [(0.0, FULL_LIFE)])  # since when, how much
     out: float | None = None  # when the fighter died or left, whichever came first
     left: float | None = None
+    team: int = 0  # 0: fought alone
+    shooters: list[str] = field(default_factory=list)  # of each hit taken, "" if the light does not tell
+    given: int | None = 0  # hits, of others than the own team; None: of some hits of the battle nobody knows whose
+    kills: int | None = 0  # likewise
 
     @property
     def life(self) -> int:
@@ -30,10 +34,17 @@ class Course:
         """Taken."""
         return len(self.lives) - 1
 
-    def hit(self, at: float, life: int) -> None:
+    def hit(self, at: float, life: int, by: str = "") -> None:
         self.lives.append((at, life))
+        self.shooters.append(by)
         if life == 0:
             self.out = at
+
+    def give(self, is_kill: bool) -> None:
+        """Has hit somebody."""
+        if self.given is not None and self.kills is not None:
+            self.given += 1
+            self.kills += is_kill
 
     def leave(self, at: float) -> None:
         if self.left is None:
@@ -51,11 +62,12 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
         match kind:
             case "BattleStarted":
                 began = at
-                found = [Course(one["name"], one["robot"], one["avatar"]) for one in data["fighters"]]
+                found = [
+                    Course(one["name"], one["robot"], one["avatar"], team=one.get("team", 0))
+                    for one in data["fighters"]
+                ]
             case "Hit":
-                for course in found:
-                    if course.name == data["name"]:
-                        course.hit(now, data["life"])
+                _hit(found, data, now)
             case "Left" | "Unseated":
                 for course in found:
                     if course.name == data["name"]:
@@ -65,3 +77,16 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
                     if course.robot == data["robot"]:
                         course.leave(now)
     return found
+
+
+def _hit(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
+    by, team = data.get("by", ""), 0
+    for course in found:
+        if course.name == data["name"]:
+            course.hit(now, data["life"], by)
+            team = course.team
+    for course in found:
+        if not by:
+            course.given = course.kills = None
+        elif course.name == by and not (team and course.team == team):
+            course.give(is_kill=data["life"] == 0)

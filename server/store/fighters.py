@@ -36,6 +36,10 @@ def keep_fighters(connection: Connection, battle: int) -> None:
                 life=placing.get("life", course.life),
                 left=placing.get("left", course.left is not None),
                 hits=course.hits,
+                team=course.team,
+                shots=placing.get("shots"),
+                given=course.given,
+                kills=course.kills,
                 seconds=lasted if course.out is None else min(course.out, lasted),
             )
         )

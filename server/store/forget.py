@@ -54,7 +54,10 @@ def forget(connection: Connection, name: str) -> str:
 def find_forgotten(connection: Connection, saved: Mapping[str, Any]) -> dict[str, str]:
     """What is to be written instead of names that the game in `saved` still remembers, though they were deleted."""
     rows = connection.execute(select(schema.forgotten).where(schema.forgotten.c.digest.is_not(None))).all()
-    remembered = _names(saved, "result", "leavers") - _names(saved, "users", "queue")  # who is here, is here anew
+    shooters = {one["by"] for one in saved.get("happened", ())}
+    remembered = (_names(saved, "result", "leavers", "happened") | shooters) - _names(
+        saved, "users", "queue"
+    )  # who is here, is here anew
     by_digest = {_digest(name): name for name in remembered} if rows else {}
     found = {by_digest[row.digest]: _neutral(row.id) for row in rows if row.digest in by_digest}
     for row in rows:

@@ -39,6 +39,14 @@ class Fighter:
     left: bool  # before the end
     hits: int  # taken
     seconds: float  # until death, leaving or the end
+    team: int | None  # 0: fought alone
+    shots: int | None  # fired; None: nobody has counted
+    given: int | None  # hits; None: the light did not tell whose all were
+    kills: int | None  # likewise
+
+    @property
+    def accuracy(self) -> float | None:
+        return accuracy(self.given, self.shots)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,6 +77,16 @@ class Standing:
     wins: int  # first places, shared ones too
     hits: int  # taken
     seconds: float  # played
+    # of the battles of which it is known, None if there is none
+    shots: int | None  # fired
+    given: int | None  # hits
+    kills: int | None
+    accuracy: float | None  # share of the shots that have met somebody
+
+
+def accuracy(given: int | None, shots: int | None) -> float | None:
+    """The share of the shots that have met somebody; None if that is not known. A shot may meet two."""
+    return min(1.0, given / shots) if given is not None and shots else None
 
 
 class Results:
@@ -111,8 +129,20 @@ class Results:
         fighters, battles = schema.fighters.c, schema.battles.c
         played, hits = func.count(), func.sum(fighters.hits)
         wins = func.sum(case((fighters.place == 1, 1), else_=0))
+        is_known = fighters.given.is_not(None) & fighters.shots.is_not(None)
         query = (
-            select(fighters.name, played, wins, hits, func.sum(fighters.seconds))
+            select(
+                fighters.name,
+                played.label("battles"),
+                wins.label("wins"),
+                hits.label("hits"),
+                func.sum(fighters.seconds).label("seconds"),
+                func.sum(fighters.shots).label("shots"),
+                func.sum(fighters.given).label("given"),
+                func.sum(fighters.kills).label("kills"),
+                func.sum(case((is_known, fighters.given))).label("met"),
+                func.sum(case((is_known, fighters.shots))).label("aimed"),
+            )
             .join(schema.battles, battles.id == fighters.battle)
             .where(battles.began >= begin, battles.began < end, battles.counts, battles.ended.is_not(None))
             .group_by(fighters.name)
@@ -120,7 +150,22 @@ class Results:
             .limit(MAX_PLAYERS)
         )
         with self._reading() as connection:
-            return [Standing(place, *row) for place, row in enumerate(connection.execute(query), 1)]
+            rows = connection.execute(query).all()
+        return [
+            Standing(
+                place=place,
+                name=row.name,
+                battles=row.battles,
+                wins=row.wins,
+                hits=row.hits,
+                seconds=row.seconds,
+                shots=row.shots,
+                given=row.given,
+                kills=row.kills,
+                accuracy=accuracy(row.met, row.aimed),
+            )
+            for place, row in enumerate(rows, 1)
+        ]
 
     @contextmanager
     def _reading(self) -> Iterator[Connection]:
@@ -144,7 +189,20 @@ def _with_fighters(connection: Connection, rows: Sequence[Row[Any]]) -> list[Bat
     )
     for row in connection.execute(ordered):
         fighters[row.battle].append(
-            Fighter(row.name, row.robot, row.avatar, row.place, row.life, row.left, row.hits, row.seconds)
+            Fighter(
+                name=row.name,
+                robot=row.robot,
+                avatar=row.avatar,
+                place=row.place,
+                life=row.life,
+                left=row.left,
+                hits=row.hits,
+                seconds=row.seconds,
+                team=row.team,
+                shots=row.shots,
+                given=row.given,
+                kills=row.kills,
+            )
         )
     running = _running(connection)
     return [

@@ -57,6 +57,10 @@ fighters = Table(
     Column("left", Boolean, nullable=False, server_default=false()),  # was gone before the end
     Column("hits", Integer, nullable=False),  # taken
     Column("seconds", Float, nullable=False),  # until death, leaving or the end
+    Column("team", Integer),  # 0: fought alone
+    Column("shots", Integer),  # fired; None: nobody has counted
+    Column("given", Integer),  # hits; None: of some hits of the battle nobody knows whose
+    Column("kills", Integer),  # likewise
 )
 
 events = Table(

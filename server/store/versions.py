@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from sqlalchemy import Connection, insert, select, text
+from sqlalchemy import Connection, insert, inspect, select, text
 from sqlalchemy.schema import CreateColumn
 
 from server.store import schema
@@ -19,9 +19,19 @@ def _add_fighters(connection: Connection) -> None:
         keep_fighters(connection, battle)
 
 
+def _add_shooters(connection: Connection) -> None:
+    """Version 3: it is known who has shot. Of older battles it is not."""
+    there = {column["name"] for column in inspect(connection).get_columns("fighters")}
+    fighters = schema.fighters.c
+    for column in (fighters.team, fighters.shots, fighters.given, fighters.kills):
+        if column.name not in there:
+            added = CreateColumn(column).compile(dialect=connection.dialect)
+            connection.execute(text(f"ALTER TABLE fighters ADD COLUMN {added}"))
+
+
 # what brings a database from the version of its place in the list (the first: 1) to the next one; tables that are not
 # there yet have been made before
-STEPS: tuple[Callable[[Connection], None], ...] = (_add_fighters,)
+STEPS: tuple[Callable[[Connection], None], ...] = (_add_fighters, _add_shooters)
 VERSION = len(STEPS) + 1
 
 

@@ -29,6 +29,7 @@ _log = logging.getLogger(__name__)
 _ROBOT_ID = re.compile(r"-?[0-9]{1,9}")
 WISHES = 20  # of one player to be ready or not, at once; then
 WISH_PERIOD = 1.0  # s for each further one
+_TEAM = re.compile("[0-4]")
 _FLAG = {"0": False, "1": True}
 
 
@@ -146,6 +147,28 @@ def _add_battle(api: Blueprint, game: GameLoop) -> None:
             return reply(status="ROBOT_UNAVAILABLE", user=name)
         if verdict is Verdict.NOT_YOURS:
             _refuse(403, "only that user can get ready", user=name)
+        return reply(status="OK", user=name)
+
+    @api.post("/chooseTeam")
+    def choose_team() -> Response:
+        """For the battles to come; 0: the referee deals it."""
+        name, team = _field("user"), _field("team")
+        session = cookie_session() or ""
+        seconds = math.ceil(wishes.take(session or visitor_mark(), time.monotonic()))
+        if seconds:
+            return _too_fast(f"too many changes: again in {seconds} s", seconds)
+        verdict = game.choose_team(name, int(team) if _TEAM.fullmatch(team) else -1, session)
+        if verdict is Verdict.STARTED:
+            return reply(status="STARTED")
+        if verdict is Verdict.UNKNOWN_USER:
+            return reply(status="ERROR", user=name)
+        if verdict is Verdict.NOT_YOURS:
+            _refuse(403, "only that user can choose the team", user=name)
+        if verdict is Verdict.NO_TEAM:
+            teams = game.snapshot().teams
+            _refuse(
+                400, f"team must be 0 to {teams}" if teams else "there are no teams: everybody fights alone", user=name
+            )
         return reply(status="OK", user=name)
 
     status = _GameStatus()

@@ -7,7 +7,7 @@ import logging
 import platform
 import re
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from importlib import metadata
 from typing import Any, NoReturn
@@ -17,6 +17,7 @@ from flask import Blueprint, Response, abort, g, json, jsonify, request
 from laser_bot_battle.names import VERSION, operator_ticket
 from server.game import desk
 from server.game.loop import GameLoop
+from server.health import RobotsHealth
 from server.settings import Settings
 from server.store.database import AwayError, Database
 from server.store.log import EventLog, as_csv, as_json
@@ -35,13 +36,21 @@ _NAMES = {"ban": (str,), "unban": (str,), "words": (list,)}
 
 
 def create_operator_api(
-    game: GameLoop, settings: Settings, access: Access, database: Database, log: EventLog
+    game: GameLoop,
+    settings: Settings,
+    access: Access,
+    database: Database,
+    log: EventLog,
+    *,
+    health: RobotsHealth,
+    identify: Callable[[int], bool],
 ) -> Blueprint:
-    """The routes, as a Flask blueprint."""
+    """The routes, as a Flask blueprint. `identify` asks a robot to show itself; whether somebody there hears it."""
     api = Blueprint("operator_api", __name__, url_prefix="/operator/api")
     _add_guard(api, access)
-    _add_views(api, game, settings, database, log)
+    _add_views(api, game, settings, database=database, log=log, health=health)
     _add_decisions(api, game)
+    _add_identify(api, game, identify)
     return api
 
 
@@ -85,15 +94,20 @@ def _add_guard(api: Blueprint, access: Access) -> None:
         return None
 
 
-def _add_views(api: Blueprint, game: GameLoop, settings: Settings, database: Database, log: EventLog) -> None:
+def _add_views(
+    api: Blueprint, game: GameLoop, settings: Settings, *, database: Database, log: EventLog, health: RobotsHealth
+) -> None:
     address = settings.database.render_as_string(hide_password=True).replace(":***@", "@")
     versions = {"laserbot": VERSION, "python": platform.python_version(), "ros": _ros_version()}
 
     @api.get("/state")
     def state() -> Response:
+        overview = game.overview()
+        for robot in overview["robots"]:
+            robot["health"] = health.of(robot["id"])
         return jsonify(
             time=time.time(),
-            **game.overview(),
+            **overview,
             database={"url": address, "problem": database.problem, "waiting": database.waiting},
             versions={**versions, "database": database.version},
             operator=g.operator,
@@ -153,9 +167,7 @@ def _add_decisions(api: Blueprint, game: GameLoop) -> None:
     @api.post("/robots/<robot>")
     def robots(robot: str) -> Response:
         change = json_body(in_service=(bool,))
-        if not _ROBOT_ID.fullmatch(robot):
-            _refuse(404, "there is no such robot")
-        return decide(desk.set_service, robot_id=int(robot), in_service=_needed(change, "in_service"))
+        return decide(desk.set_service, robot_id=_robot_id(robot), in_service=_needed(change, "in_service"))
 
     @api.put("/rules")
     def rules() -> Response:
@@ -175,6 +187,24 @@ def _add_decisions(api: Blueprint, game: GameLoop) -> None:
         except ValueError as error:
             return refusal(400, str(error))
         return jsonify({})
+
+
+def _add_identify(api: Blueprint, game: GameLoop, identify: Callable[[int], bool]) -> None:
+    @api.post("/robots/<robot>/identify")
+    def show_itself(robot: str) -> Response:
+        json_body()
+        robot_id = _robot_id(robot)
+        if robot_id not in game.snapshot().robots:
+            _refuse(404, f"there is no robot {robot_id}")
+        if not identify(robot_id):
+            _refuse(409, f"robot {robot_id} cannot show itself: nobody there listens to /Robot{robot_id}/identify")
+        return jsonify({})
+
+
+def _robot_id(text: str) -> int:
+    if not _ROBOT_ID.fullmatch(text):
+        _refuse(404, "there is no such robot")
+    return int(text)
 
 
 def _json_object() -> dict[str, Any]:

@@ -94,6 +94,7 @@ def _add_battles(pages: Blueprint, results: Results) -> None:
     @pages.get("/results.csv")
     def battles_csv() -> Response:
         head = "id,number,began,seconds,counts,cause,place,name,robot,life,left,hits_taken,hits_given,played"
+        head += ",team,shots,kills,accuracy"
         return _csv("laserbot-results.csv", head, _battle_rows(_page(results).battles))
 
     @pages.get("/results/<battle>")
@@ -130,7 +131,7 @@ def _add_leaderboard(pages: Blueprint, results: Results) -> None:
     @pages.get("/results/leaderboard.csv")
     def leaderboard_csv() -> Response:
         day, standings = _standings(results)
-        head = "place,name,battles,wins,hits_taken,hits_given,seconds"
+        head = "place,name,battles,wins,hits_taken,hits_given,seconds,shots,kills,accuracy"
         return _csv(f"laserbot-leaderboard-{day}.csv", head, (_standing_fields(one).values() for one in standings))
 
 
@@ -199,8 +200,12 @@ def _fighter_fields(fighter: Fighter) -> dict[str, Any]:
         "life": fighter.life,
         "left": fighter.left,
         "hits_taken": fighter.hits,
-        "hits_given": None,  # the light does not tell who shot
+        "hits_given": fighter.given,
         "seconds": fighter.seconds,
+        "team": fighter.team,
+        "shots": fighter.shots,
+        "kills": fighter.kills,
+        "accuracy": fighter.accuracy,
     }
 
 
@@ -211,8 +216,11 @@ def _standing_fields(standing: Standing) -> dict[str, Any]:
         "battles": standing.battles,
         "wins": standing.wins,
         "hits_taken": standing.hits,
-        "hits_given": None,
+        "hits_given": standing.given,
         "seconds": standing.seconds,
+        "shots": standing.shots,
+        "kills": standing.kills,
+        "accuracy": standing.accuracy,
     }
 
 
@@ -229,9 +237,12 @@ def _moments(courses: Iterable[Course]) -> list[dict[str, Any]]:
     moments: list[dict[str, Any]] = []
     for course in courses:
         hits = course.lives[1:]
-        moments += [{"at": at, "name": course.name, "what": "hit", "life": life} for at, life in hits]
+        moments += [
+            {"at": at, "name": course.name, "what": "hit", "life": life, "by": by or None}
+            for (at, life), by in zip(hits, course.shooters, strict=True)
+        ]
         if course.left is not None:
-            moments.append({"at": course.left, "name": course.name, "what": "left", "life": course.life})
+            moments.append({"at": course.left, "name": course.name, "what": "left", "life": course.life, "by": None})
     return sorted(moments, key=lambda moment: float(moment["at"]))
 
 
@@ -268,7 +279,7 @@ def _cell(value: object) -> object:
     if isinstance(value, bool):
         return int(value)
     if isinstance(value, float):
-        return round(value, 1)
+        return round(value, 2)
     return harmless(value)
 
 

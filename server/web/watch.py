@@ -1,6 +1,7 @@
 """The screen for spectators: its page, and the state of the battle for those who cannot get it from rosbridge."""
 
 import json
+from collections.abc import Set
 from datetime import datetime
 from ipaddress import ip_address
 from typing import Any
@@ -13,11 +14,12 @@ from markupsafe import Markup
 from laser_bot_battle.addresses import reachable_addresses
 from server.game.loop import GameLoop
 from server.game.snapshot import Placing, Player, Snapshot
+from server.health import RobotsHealth
 from server.settings import Settings
 from server.web.hosts import request_host
 
 
-def create_watch(game: GameLoop, settings: Settings) -> Blueprint:
+def create_watch(game: GameLoop, settings: Settings, health: RobotsHealth) -> Blueprint:
     """The routes, as a Flask blueprint."""
     pages = Blueprint("watch", __name__)
 
@@ -33,7 +35,7 @@ def create_watch(game: GameLoop, settings: Settings) -> Blueprint:
 
     @pages.get("/watch.json")
     def status() -> Response:
-        text = json.dumps(public_status(game.snapshot()), ensure_ascii=False)
+        text = json.dumps(public_status(game.snapshot(), health.weak()), ensure_ascii=False)
         return make_response(text, 200, {"Content-Type": "application/json; charset=utf-8"})
 
     return pages
@@ -49,8 +51,9 @@ def players_address(scheme: str, host: str, bind: str, port: int) -> str:
     return f"{scheme}://{host}"
 
 
-def public_status(snapshot: Snapshot) -> dict[str, Any]:
-    """A laser_bot_battle/GameStatus without what is secret, as rosbridge writes it for everybody."""
+def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str, Any]:
+    """A laser_bot_battle/GameStatus without what is secret, as rosbridge writes it for everybody. `weak` are robots
+    with too little voltage."""
     return {
         "game": snapshot.game.value,
         "time_left": snapshot.time_left,
@@ -60,20 +63,38 @@ def public_status(snapshot: Snapshot) -> dict[str, Any]:
         "message": snapshot.message,
         "available_robots": snapshot.available_robots,
         "practice": snapshot.practice,
+        "teams": snapshot.teams,
+        "coded": snapshot.coded,
         "queue": [waiter.name for waiter in snapshot.queue],
         "users": [
-            _person(player, ready=player.ready, place=0, seat_left=player.seat_left, left=False)
+            _person(
+                player, ready=player.ready, place=0, seat_left=player.seat_left, left=False, weak=player.robot in weak
+            )
             for player in snapshot.players
         ],
         "result": [
-            _person(placing, ready=False, place=placing.place, seat_left=0.0, left=placing.left)
+            _person(placing, ready=False, place=placing.place, seat_left=0.0, left=placing.left, weak=False)
             for placing in snapshot.result
+        ],
+        "events": [
+            {"number": one.number, "kind": int(one.life == 0), "name": one.name, "by": one.by, "life": one.life}
+            for one in snapshot.happened
         ],
     }
 
 
 def _person(who: Player | Placing, **more: Any) -> dict[str, Any]:
-    return {"name": who.name, "robot": who.robot, "life": who.life, "avatar": who.avatar, **more}
+    return {
+        "name": who.name,
+        "robot": who.robot,
+        "life": who.life,
+        "avatar": who.avatar,
+        "team": who.team,
+        "shots": who.shots,
+        "hits": who.hits,
+        "kills": who.kills,
+        **more,
+    }
 
 
 def _is_loopback(name: str) -> bool:

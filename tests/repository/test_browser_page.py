@@ -12,6 +12,7 @@ from laser_bot_battle.names import GAME_STATUS
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
+from server.health import RobotsHealth
 from server.ros.status import to_message
 from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import Types
@@ -40,7 +41,7 @@ class Story:
         for number in range(3):
             add_linked_robot(self.battle, f"/id_service_client_raspberrypi{number + 1}")
         settings = Settings.from_env({})
-        self.app = create_app(self.battle, settings, create_watch(self.battle, settings))
+        self.app = create_app(self.battle, settings, create_watch(self.battle, settings, RobotsHealth()))
         self.gate, self.drivers, self.graph, self.types = Gate(""), Drivers(), Graph(), Types()
         self._browsers: dict[str, FlaskClient] = {}
         self._clients: dict[str, Client] = {}

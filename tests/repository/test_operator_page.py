@@ -6,6 +6,7 @@ from server.game import desk
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
+from server.health import RobotsHealth
 from server.settings import Settings
 from server.store.database import Database
 from server.store.log import EventLog
@@ -23,7 +24,15 @@ def test_the_page_has_every_route_and_no_other() -> None:
     app = Flask(__name__, static_folder=None)
     app.register_blueprint(create_operator(access))
     app.register_blueprint(
-        create_operator_api(GameLoop(Referee(Rules())), settings, access, database, EventLog(database))
+        create_operator_api(
+            GameLoop(Referee(Rules())),
+            settings,
+            access,
+            database,
+            EventLog(database),
+            health=RobotsHealth(),
+            identify=lambda _: True,
+        )
     )
     methods = {"GET", "POST", "PUT", "DELETE", "PATCH"}
     routes = {(method, rule.rule) for rule in app.url_map.iter_rules() for method in (rule.methods or set()) & methods}

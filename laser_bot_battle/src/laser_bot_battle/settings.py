@@ -28,6 +28,7 @@ class Variable(Generic[T]):
     is_flag: bool = False  # on the command line, its option needs no value
     lowest: float | None = None  # of a number
     highest: float | None = None
+    words: tuple[str, ...] = ()  # all that it may be, if these are words
 
     def read(self, environ: Mapping[str, str], default: T | None = None) -> T:
         """Its value; unset or empty means the default (`default` before the declared one). SettingsError."""
@@ -93,7 +94,8 @@ def choice(name: str, default: str, allowed: tuple[str, ...], text: str) -> Vari
             raise ValueError(f"must be one of {', '.join(allowed)}")
         return given.lower()
 
-    return Variable(name, default, f"{text}: {', '.join(f'`{word}`' for word in allowed)}", parse, f"`{default}`")
+    text = f"{text}: {', '.join(f'`{word}`' for word in allowed)}"
+    return Variable(name, default, text, parse, f"`{default}`", words=allowed)
 
 
 def words(name: str, default: str, text: str, shown: str = "") -> Variable[str]:

@@ -48,6 +48,12 @@ def _gpio(text: str) -> int | None:
     return int(text)
 
 
+def _teams(text: str) -> int:
+    if text not in ("0", "2", "3", "4"):
+        raise ValueError("must be 0, 2, 3 or 4")
+    return int(text)
+
+
 def _devices(text: str) -> tuple[str, ...]:
     return tuple(text.split())
 
@@ -97,6 +103,14 @@ ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` start
 ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
 ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
+LIGHT = choice("LASERBOT_LIGHT", "plain", ("plain", "coded"), "what a shot is, light alone or a code that tells whose")
+TEAMS: Variable[int] = Variable(
+    "LASERBOT_TEAMS", 0, "teams that fight, 2 to 4; 0: everybody fights alone", _teams, "0", lowest=0, highest=4
+)
+FRIENDLY_FIRE = flag("LASERBOT_FRIENDLY_FIRE", "1: shots of the own team count, too")
+LIGHT_DAMAGE = flag(
+    "LASERBOT_LIGHT_DAMAGE", "1: a hit by coded light takes what its code says, not `LASERBOT_HIT_DAMAGE`"
+)
 COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
 BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then the most life wins")
 PLAYER_TIMEOUT = number(

@@ -84,17 +84,19 @@ class Publishing(Capability):
             raise UnsettledError(topic)
         message_type = self._advertised.get(topic)
         # a client may publish what it has not advertised: it may have been refused that before the gate knew its player
-        opened = []
+        opened: list[Effect] = []
+        shots: list[Publish] = []
         if message_type is None:
             message_type = client.topic_type(topic, request.optional_text("type", ""))
         data = message_type.pack(request.fields.get("msg", {}), client.clock.now)
         if topic in COMMAND_TOPICS:
             client.gate.check_command(client.identity, data)
             client.drivers.commanded(client, client.identity, topic, data)
+            shots = client.drivers.shots.commanded(topic, data, now)
         if topic not in self._advertised:
             opened = self._advertise(topic, message_type, request.flag("latch") and topic not in COMMAND_TOPICS)
         self._used.add(topic)
-        return [*opened, Publish(topic, data)]
+        return [*opened, Publish(topic, data), *shots]
 
     def closed(self) -> list[Effect]:
         effects: list[Effect] = [*self.client.drivers.stop(self.client)]

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator
+from typing import Any
 
 import pytest
 
@@ -68,9 +69,9 @@ class Match:
                 if player.name not in gone_pages:
                     self.referee.seen(player.session, self.now)
 
-    def restart(self, pause: float = 0.0) -> None:
-        """Go on in another program, `pause` s later; its clock begins at 50 s."""
-        saved = json.loads(json.dumps(self.referee.saved(self.now)))
+    def restart(self, pause: float = 0.0, saved: dict[str, Any] | None = None) -> None:
+        """Go on in another program, `pause` s later, with what it finds `saved`; its clock begins at 50 s."""
+        saved = json.loads(json.dumps(saved or self.referee.saved(self.now)))
         self.now = 50.0
         self.referee = Referee(self.rules, restore(saved, {}, self.now, pause))
 

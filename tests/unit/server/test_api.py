@@ -25,6 +25,7 @@ POST_ROUTES = (
     "/updateGameStatus",
     "/getAvailableRobots",
     "/playerReady",
+    "/chooseTeam",
     "/incAlive",
     "/takeRobot",
 )
@@ -359,6 +360,48 @@ def test_in_a_battle_everyone_gets_started_whatever_is_asked():
     assert [player.ready for player in site.battle.snapshot().players] == [True, True]
 
 
+# chooseTeam
+
+
+def choose(browser, team: str, user: str = "al"):
+    response = browser.post("/chooseTeam", data={"user": user, "team": team})
+    return response.status_code, body(response)
+
+
+def test_a_player_chooses_a_team_and_may_leave_it_to_the_referee():
+    site = Site(teams=3)
+    al = site.browser()
+    sign_up(al, "al")
+    for team in ("3", "1", "0", "0"):
+        assert choose(al, team) == (200, {"status": "OK", "user": "al"})
+        assert site.battle.snapshot().players[0].team == int(team)
+
+
+@pytest.mark.parametrize("team", ["4", "-1", "01", " 1", "١", "x", "1.0", "", "1\n"])
+def test_a_team_that_there_is_not_is_refused(team):
+    site = Site(teams=3)
+    al = site.browser()
+    sign_up(al, "al")
+    assert choose(al, team) == (400, {"error": "team must be 0 to 3", "status": "ERROR", "user": "al"})
+    assert site.battle.snapshot().players[0].team == 0
+
+
+def test_where_everybody_fights_alone_there_is_no_team(browser):
+    sign_up(browser, "al")
+    assert choose(browser, "1")[1]["error"] == "there are no teams: everybody fights alone"
+
+
+def test_an_unknown_user_chooses_nothing(browser):
+    assert choose(browser, "1") == (200, {"status": "ERROR", "user": "al"})
+
+
+def test_who_changes_the_team_all_the_time_is_slowed_down():
+    site = Site(teams=2)
+    al = site.browser()
+    sign_up(al, "al")
+    assert 429 in [choose(al, str(number % 2))[0] for number in range(30)]
+
+
 # updateGameStatus
 
 
@@ -455,6 +498,8 @@ def test_session_tells_the_page_who_it_is(site, browser):
         ("/playerReady", {}, "user"),
         ("/playerReady", {"user": "al"}, "ready"),
         ("/playerReady", {"ready": "1"}, "user"),
+        ("/chooseTeam", {"team": "1"}, "user"),
+        ("/chooseTeam", {"user": "al"}, "team"),
         ("/incAlive", {}, "ID"),
         ("/incAlive", {"id": "0"}, "ID"),
     ],
@@ -504,6 +549,7 @@ GOOD = {
     "/signUpUser": {"data": "bo", "avatar": "0", "robot": "1", "wait": "1"},
     "/signOutUser": {"data": "al"},
     "/playerReady": {"user": "al", "ready": "1"},
+    "/chooseTeam": {"user": "al", "team": "1"},
     "/incAlive": {"ID": "0", "key": "k"},
     "/takeRobot": {},
     "/updateGameStatus": {},
@@ -511,7 +557,7 @@ GOOD = {
 }
 FIELDS = [(route, field) for route, fields in GOOD.items() for field in fields]
 REQUIRED = [("/signUpUser", "data"), ("/signOutUser", "data"), ("/playerReady", "user"), ("/playerReady", "ready")]
-REQUIRED += [("/incAlive", "ID")]
+REQUIRED += [("/chooseTeam", "user"), ("/chooseTeam", "team"), ("/incAlive", "ID")]
 NONSENSE = ["", " ", "\x00", "a\r\nSet-Cookie: x=y", "\x1b[2J", "<script>alert(1)</script>", "{}", "[]", "+1", "-"]
 NONSENSE += ["1.5", "a b", "9" * 5000, "\u202e", "\ufffd", "../..", "' OR 1=1 --", "x" * 15_000]
 
@@ -584,7 +630,7 @@ def test_other_methods_change_nothing(seated, route, method):
 
 
 @pytest.mark.parametrize("cookie", [None, "", "x", "x" * 4000, "another's"])
-@pytest.mark.parametrize("route", ["/signOutUser", "/playerReady"])
+@pytest.mark.parametrize("route", ["/signOutUser", "/playerReady", "/chooseTeam"])
 def test_another_session_changes_nothing(seated, route, cookie):
     site, _ = seated
     eve = site.browser()
@@ -608,6 +654,7 @@ def test_at_the_wrong_moment_nothing_changes():
     until(lambda: site.battle.snapshot().game == 2)
     before = state(site)
     assert body(al.post("/playerReady", data={"user": "al", "ready": "0"})) == {"status": "STARTED"}
+    assert choose(al, "0") == (200, {"status": "STARTED"})
     assert body(al.post("/takeRobot"))["status"] == "OK", "which al has"
     assert body(site.browser().post("/takeRobot")) == {"status": "UNREGISTERED"}
     assert sign_up(site.browser(), "cy") == {"status": "NO_ROBOTS", "user": "cy"}

@@ -11,7 +11,7 @@ from typing import Any
 from unittest.mock import Mock
 
 import pytest
-from sqlalchemy import URL, create_engine, insert, make_url, select, update
+from sqlalchemy import URL, create_engine, insert, make_url, select, text, update
 
 from server.game.referee import Referee
 from server.game.saved import restore
@@ -425,13 +425,35 @@ def test_a_database_of_version_1_gets_its_fighters(open_, tmp_path: Path):
     assert kept.battles == 5
     assert rows(url, "schema") == [(versions.VERSION,)]
     assert [row[1:] for row in rows(url, "fighters")] == [
-        (1, "ada", 0, 2, 1, 60, 0, 1, 30.0),
-        (1, "bob", 1, 3, 2, 0, 0, 1, 25.0),
+        (1, "ada", 0, 2, 1, 60, 0, 1, 30.0, 0, None, None, None),
+        (1, "bob", 1, 3, 2, 0, 0, 1, 25.0, 0, None, None, None),
     ]
     assert [row[-1] for row in rows(url, "battles")] == [1], "it counts"
     new = file.with_name("new.db")
     open_(URL.create("sqlite", database=str(new)))
     assert indexes(file) == indexes(new)
+
+
+def test_a_database_of_version_2_learns_who_has_shot(opened, url, match):
+    database, _ = opened()
+    played(match)
+    record(database, match)
+    database.close()
+    engine = create_engine(url)
+    with engine.begin() as connection:
+        for column in ("team", "shots", "given", "kills"):
+            connection.execute(text(f"ALTER TABLE fighters DROP COLUMN {column}"))
+        connection.execute(update(schema.schema).values(version=2))
+    engine.dispose()
+    database, kept = opened()
+    assert kept.battles == 2
+    assert rows(url, "schema") == [(versions.VERSION,)]
+    assert {row[-4:] for row in rows(url, "fighters")} == {(None,) * 4}
+    match.referee.shot(0, match.now)
+    match.hit("ada", 9)
+    record(database, match)
+    database.close()
+    assert [row[-4:] for row in rows(url, "fighters")][-2:] == [(0, 1, None, None), (0, 0, None, None)]
 
 
 def test_a_database_without_tracks_gets_them(opened, url, match):

@@ -15,6 +15,7 @@ from laser_bot_battle.names import is_operator_ticket
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
+from server.health import RobotsHealth
 from server.settings import Settings
 from server.store.database import Database
 from server.store.log import EventLog
@@ -48,12 +49,21 @@ class Site:
         self.database = Database(URL.create("sqlite", database=str(folder / "game.db")))
         self.database.open()
         self.log = EventLog(self.database)
+        self.health = RobotsHealth(clock=lambda: self.now)
+        self.deaf: set[int] = set()  # robots where nobody listens to what they are asked
+        self.identified: list[int] = []
         variables = {"LASERBOT_OPERATOR_TOKEN": token, "LASERBOT_ROSBRIDGE_PORT": "9191", **variables}
         settings = Settings.from_env(variables)
         access = Access(settings.operator_token, clock=lambda: self.now)
-        api = create_operator_api(self.game, settings, access, self.database, self.log)
+        api = create_operator_api(
+            self.game, settings, access, self.database, self.log, health=self.health, identify=self.identify
+        )
         self.app = create_app(self.game, Settings.from_env({}), create_operator(access), api)
         self.app.jinja_loader = DictLoader(PAGES)
+
+    def identify(self, robot_id: int) -> bool:
+        self.identified += [] if robot_id in self.deaf else [robot_id]
+        return robot_id not in self.deaf
 
     def browser(self) -> Any:
         return self.app.test_client()
@@ -467,7 +477,7 @@ def test_rules_change_at_once_all_or_none_and_back(site: Site) -> None:
     done(operator.put("/operator/api/rules", json={"hit_damage": 60, "practice": True, "countdown": 2.5}))
     rules = operator.get("/operator/api/state").json["rules"]
     assert rules["hit_damage"] == {
-        "value": 60, "default": 10, "min": 1, "max": 100, "text": "life (of 100) that a hit takes",
+        "value": 60, "default": 10, "min": 1, "max": 100, "words": [], "text": "life (of 100) that a hit takes",
     }  # fmt: skip
     assert (rules["practice"]["value"], rules["practice"]["min"], rules["countdown"]["value"]) == (True, None, 2.5)
     site.game.hit(1)
@@ -512,11 +522,13 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     }  # fmt: skip
     assert state["game"].keys() == {"state", "paused", "time_left", "battle", "notice", "message"}
     assert state["robots"][0].keys() >= {
-        "id", "name", "player", "offered_to", "in_service", "ping_age", "linked",
+        "id", "name", "player", "offered_to", "in_service", "ping_age", "linked", "health",
     }  # fmt: skip
-    assert state["players"][0].keys() == {"name", "robot", "life", "ready", "avatar", "seat_left", "page_age"}
+    assert state["players"][0].keys() == {
+        "name", "robot", "life", "ready", "avatar", "team", "shots", "hits", "kills", "seat_left", "page_age",
+    }  # fmt: skip
     assert state["queue"] == [{"name": "dee", "place": 1, "offer": None, "seconds": pytest.approx(185)}]
-    assert len(state["rules"]) == 10
+    assert len(state["rules"]) == 14
     assert state["database"]["problem"] == ""
     assert state["versions"].keys() == {"laserbot", "python", "ros", "database"}
     assert state["versions"]["database"].startswith("sqlite 3.")
@@ -610,3 +622,54 @@ def test_a_ticket_for_a_test_drive_is_good_for_seconds(site: Site) -> None:
     assert not is_operator_ticket(content["ticket"], TOKEN, end + 1)
     assert not is_operator_ticket(content["ticket"], "another token", end - 1)
     assert TOKEN not in content["ticket"]
+
+
+BOARD = {"major": 1, "minor": 0, "supply": 4950, "deaf": False}
+HEALTHY = {"cpu": 0.2, "temperature": 48.5, "wifi": -55, "under_voltage": False, "board": BOARD}
+
+
+def test_how_robots_are_is_shown_with_what_needs_a_hand(site: Site) -> None:
+    operator = site.operator()
+    site.health.report(0, HEALTHY)
+    site.health.report(1, {**HEALTHY, "under_voltage": True, "board": {**BOARD, "supply": 4599, "deaf": True}})
+
+    def shown() -> list[Any]:
+        return [robot["health"] for robot in operator.get("/operator/api/state").json["robots"]]
+
+    healthy, sick, unknown = shown()
+    assert healthy == {**HEALTHY, "age": 0.0, "warnings": []}
+    assert sick["warnings"] == ["low_supply", "under_voltage", "deaf"]
+    assert unknown is None
+    assert site.health.weak() == {1}
+    site.pass_time(6)
+    assert shown()[0]["warnings"] == ["silent"]
+    assert site.health.weak() == set()
+
+
+def test_an_original_board_is_not_missed_and_no_reading_is_no_warning(site: Site) -> None:
+    site.health.report(0, {**HEALTHY, "board": None})
+    site.health.report(1, {**HEALTHY, "board": {**BOARD, "supply": 0}})
+    assert site.health.of(0) == {**HEALTHY, "board": None, "age": 0.0, "warnings": []}
+    assert site.health.weak() == set()
+
+
+def test_a_robot_is_asked_to_show_itself(site: Site) -> None:
+    operator = site.operator()
+    site.deaf = {2}
+    done(operator.post("/operator/api/robots/1/identify", json={}))
+    assert "listens" in refused(operator.post("/operator/api/robots/2/identify", json={}), 409)
+    assert refused(operator.post("/operator/api/robots/9/identify", json={}), 404)
+    assert refused(operator.post("/operator/api/robots/x/identify", json={}), 404)
+    assert refused(operator.post("/operator/api/robots/1/identify", json={"how": "loud"}), 400)
+    assert refused(site.browser().post("/operator/api/robots/1/identify", json={}), 401)
+    assert site.identified == [1]
+
+
+def test_words_are_values_of_rules_and_only_those_that_there_are(site: Site) -> None:
+    operator = site.operator()
+    done(operator.put("/operator/api/rules", json={"light": "coded", "teams": 2, "friendly_fire": True}))
+    rules = operator.get("/operator/api/state").json["rules"]
+    assert (rules["light"]["value"], rules["light"]["words"]) == ("coded", ["plain", "coded"])
+    assert rules["teams"]["value"] == 2
+    for wrong in ({"light": "bright"}, {"light": 1}, {"teams": 1}, {"teams": 5}, {"teams": "2"}, {"friendly_fire": 1}):
+        assert refused(operator.put("/operator/api/rules", json=wrong), 400)

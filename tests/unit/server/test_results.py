@@ -25,6 +25,8 @@ from server.web.results import create_results
 from tests.support.polling import until
 
 EPOCH = 1_740_000_000  # what the wall's clock is ahead of the match's
+SUM = {"shots": 0, "kills": None, "accuracy": None}
+UNKNOWN = {"team": 0, **SUM}  # plain light without shots does not tell whose it was
 ROUTES = (
     "/results",
     "/results.json",
@@ -43,10 +45,10 @@ def file(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def keep(file, match):
-    """Writes what the match has decided since the last time."""
+def keep_of(file):
+    """Writes what a match has decided since the last time."""
 
-    def write() -> None:
+    def write(match) -> None:
         database = Database(
             URL.create("sqlite", database=str(file)), wall=lambda: match.now + EPOCH, clock=lambda: match.now
         )
@@ -56,6 +58,11 @@ def keep(file, match):
         database.close()
 
     return write
+
+
+@pytest.fixture
+def keep(keep_of, match):
+    return lambda: keep_of(match)
 
 
 def change(file: Path, statement: str, *values: object) -> None:
@@ -116,9 +123,9 @@ def test_the_list_has_the_newest_battle_first(played, browser):
     assert first["began"] == pytest.approx(EPOCH + 1015)
     assert first["fighters"] == [
         {"place": 1, "name": "Zoë", "robot": 0, "life": 80, "left": False, "hits_taken": 2, "hits_given": None}
-        | {"seconds": pytest.approx(8)},
+        | {"seconds": pytest.approx(8), **UNKNOWN},
         {"place": 2, "name": "bob", "robot": 1, "life": 0, "left": False, "hits_taken": 10, "hits_given": None}
-        | {"seconds": pytest.approx(8)},
+        | {"seconds": pytest.approx(8), **UNKNOWN},
     ]
     assert [(one["name"], one["place"], one["left"]) for one in second["fighters"]] == [
         ("bob", 1, False),
@@ -152,8 +159,8 @@ def test_a_battle_that_was_cut_off_is_told_from_one_that_runs(played, browser, f
 def test_the_time_line_has_what_happened_in_order(played, browser):
     timeline = browser.get("/results/2.json").json["timeline"]
     assert timeline == [
-        {"at": pytest.approx(20), "name": "bob", "what": "hit", "life": 90},
-        {"at": pytest.approx(20), "name": "ada", "what": "left", "life": 100},
+        {"at": pytest.approx(20), "name": "bob", "what": "hit", "life": 90, "by": None},
+        {"at": pytest.approx(20), "name": "ada", "what": "left", "life": 100, "by": None},
     ]
 
 
@@ -184,11 +191,11 @@ def test_the_leaderboard_counts_what_was_won_and_taken(played, browser):
     assert board["day"] == "all"
     assert board["players"] == [
         {"place": 1, "name": "Zoë", "battles": 1, "wins": 1, "hits_taken": 2, "hits_given": None}
-        | {"seconds": pytest.approx(8)},
+        | {"seconds": pytest.approx(8), **SUM},
         {"place": 2, "name": "bob", "battles": 2, "wins": 1, "hits_taken": 11, "hits_given": None}
-        | {"seconds": pytest.approx(28)},
+        | {"seconds": pytest.approx(28), **SUM},
         {"place": 3, "name": "ada", "battles": 1, "wins": 0, "hits_taken": 0, "hits_given": None}
-        | {"seconds": pytest.approx(20)},
+        | {"seconds": pytest.approx(20), **SUM},
     ]
 
 
@@ -366,3 +373,62 @@ def test_a_course_is_read_from_the_events():
     )
     assert (ada.life, ada.hits, ada.out, ada.left) == (0, 1, 1.0, 2.0)
     assert (bob.life, bob.hits, bob.out, bob.left) == (100, 0, 3.0, 3.0)
+
+
+@pytest.fixture
+def told(new_match, keep_of):
+    """A battle of two teams by coded light, in which all is known."""
+    match = new_match(rules=Rules(light="coded", teams=2, friendly_fire=True, hit_damage=50))
+    match.start("ada", "bob", "cy")
+    for shooter, victim in ((0, 1), (0, 2), (0, None), (1, 0), (0, 1)):
+        match.wait(0.5)
+        match.referee.shot(shooter, match.now)
+        if victim is not None:
+            assert match.referee.shot_hit(victim, shooter, 0, match.now, shots_told=True)
+    keep_of(match)
+    return match
+
+
+def test_who_shot_whom_kills_and_accuracy_are_told(told, browser):
+    """ada and cy are a team, so that ada's hit on cy is nothing to be proud of."""
+    fields = ("name", "place", "team", "shots", "hits_given", "kills", "accuracy")
+    (battle,) = browser.get("/results.json").json["battles"]
+    assert [tuple(fighter[field] for field in fields) for fighter in battle["fighters"]] == [
+        ("ada", 1, 1, 4, 2, 1, 0.5),
+        ("cy", 1, 1, 0, 0, 0, None),
+        ("bob", 3, 2, 1, 1, 0, 1.0),
+    ]
+    shown = browser.get("/results/1")
+    assert "was hit by ada" in shown.text
+    assert "50%" in shown.text
+    assert [(one["name"], one["by"]) for one in browser.get("/results/1.json").json["timeline"]] == [
+        ("bob", "ada"),
+        ("cy", "ada"),
+        ("ada", "bob"),
+        ("bob", "ada"),
+    ]
+    board = browser.get("/results/leaderboard.json").json["players"]
+    assert [(one["name"], one["hits_given"], one["kills"], one["shots"], one["accuracy"]) for one in board] == [
+        ("ada", 2, 1, 4, 0.5),
+        ("cy", 0, 0, 0, None),
+        ("bob", 1, 0, 1, 1.0),
+    ]
+    assert "50%" in browser.get("/results/leaderboard").text
+    (line, *_) = table(browser.get("/results.csv"))
+    assert (line["team"], line["shots"], line["hits_given"], line["kills"], line["accuracy"]) == (
+        "1",
+        "4",
+        "2",
+        "1",
+        "0.5",
+    )
+    assert table(browser.get("/results/leaderboard.csv"))[0]["accuracy"] == "0.5"
+
+
+def test_a_course_knows_what_was_given_only_if_all_hits_tell():
+    began = {"fighters": [{"name": name, "robot": n, "avatar": 0} for n, name in enumerate(("ada", "bob"))]}
+    hits = [(101.0, "Hit", {"name": "ada", "robot": 0, "life": 90, "by": "bob"})]
+    ada, bob = courses([(100.0, "BattleStarted", began), *hits])
+    assert (ada.given, bob.given, bob.kills, ada.shooters) == (0, 1, 0, ["bob"])
+    ada, bob = courses([(100.0, "BattleStarted", began), *hits, (102.0, "Hit", {"name": "bob", "robot": 1, "life": 0})])
+    assert (ada.given, bob.given, ada.kills) == (None, None, None)

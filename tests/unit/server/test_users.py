@@ -2,6 +2,7 @@
 
 import pytest
 
+from server.game.ranking import ranks
 from server.game.users import User, Users, is_valid_name
 
 
@@ -61,11 +62,7 @@ def test_ranking_is_alive_by_life_then_dead_then_quitters_then_the_others():
         user("left_early", ready=True, life=100, left_at=2.0),
         user("watches", life=100),
     ]
-    users = Users()
-    for each in reversed(ranked):
-        users.add_user(each)
-    users.users_sort()
-    assert [each.name for each in users] == [each.name for each in ranked]
+    assert [each.name for _, each in ranks(reversed(ranked))] == [each.name for each in ranked]
 
 
 def test_only_the_ready_are_counted_ready_and_only_the_living_of_them_alive():

@@ -11,6 +11,7 @@ from laser_bot_battle.msg import GameStatus, UserStatus
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
+from server.health import RobotsHealth
 from server.settings import Settings
 from server.web import watch
 from server.web.app import create_app
@@ -22,7 +23,7 @@ LAN = [LanAddress("192.168.7.4", 24), LanAddress("10.0.0.9", 8)]
 @pytest.fixture
 def browser():
     game, settings = GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_VIEW_PORT": "8123"})
-    return create_app(game, settings, create_watch(game, settings)).test_client()
+    return create_app(game, settings, create_watch(game, settings, RobotsHealth())).test_client()
 
 
 @pytest.fixture
