@@ -2,6 +2,8 @@
 
 import { avatarUrl } from "./assets.js";
 import { element } from "./dom.js";
+import { makeMark, showMark } from "./team_view.js";
+import { standings } from "./teams.js";
 import { percent, t } from "./words.js";
 
 /** @typedef {import("./messages.js").Player} Player */
@@ -9,36 +11,39 @@ import { percent, t } from "./words.js";
 const METALS = ["gold", "silver", "bronze"];
 
 /**
- * Who stands on which step. Ties share one, and the place after them stays empty; who has left early stands on none.
+ * Who stands on which step, teams as one. Ties share one, and the place after them stays empty; who has left early
+ * stands on none.
  * @param {Player[]} result best first
  * @returns {{steps: {metal: "gold"|"silver"|"bronze", place: number, players: Player[]}[], rest: Player[]}}
  */
 export function podium(result) {
+  const placed = standings(result);
   const steps = METALS.map((metal, index) => {
     const place = index + 1;
-    return { metal, place, players: result.filter((entry) => entry.place === place && !entry.left) };
+    return { metal, place, players: placed.filter((entry) => entry.place === place && !entry.left) };
   }).filter((step) => step.players.length > 0);
   const honoured = new Set(steps.flatMap((step) => step.players));
-  return { steps, rest: result.filter((entry) => !honoured.has(entry)) };
+  return { steps, rest: placed.filter((entry) => !honoured.has(entry)) };
 }
 
 /**
  * The podium and, below it, everybody else.
  * @param {Player[]} result best first
  * @param {string|null} me this page's player
+ * @param {boolean} coded whether the light has told who has shot
  */
-export function podiumView(result, me) {
+export function podiumView(result, me, coded) {
   const { steps, rest } = podium(result);
   return element(
     "div",
     { className: "podium" },
-    element("ol", { className: "podium-steps" }, ...steps.map((step) => stepView(step, me))),
-    rest.length > 0 && restView(rest, me),
+    element("ol", { className: "podium-steps" }, ...steps.map((step) => stepView(step, me, coded))),
+    rest.length > 0 && restView(rest, me, coded),
   );
 }
 
-function stepView({ metal, place, players }, me) {
-  const crowd = element("div", { className: "podium-crowd" }, ...players.map((player) => honouredView(player, me)));
+function stepView({ metal, place, players }, me, coded) {
+  const crowd = element("div", { className: "podium-crowd" }, ...players.map((player) => honouredView(player, me, coded)));
   const block = element(
     "div",
     { className: "podium-block" },
@@ -51,7 +56,7 @@ function stepView({ metal, place, players }, me) {
   return step;
 }
 
-function honouredView(player, me) {
+function honouredView(player, me, coded) {
   return element(
     "figure",
     { className: player.name === me ? "podium-player is-me" : "podium-player" },
@@ -61,12 +66,14 @@ function honouredView(player, me) {
       {},
       element("strong", {}, player.name),
       player.name === me && element("em", {}, t("podium.you")),
+      markOf(player),
       element("span", { className: "podium-note" }, noteOf(player)),
+      coded && element("span", { className: "podium-note" }, shotsOf(player)),
     ),
   );
 }
 
-function restView(rest, me) {
+function restView(rest, me, coded) {
   const rows = rest.map((player) =>
     element(
       "li",
@@ -75,7 +82,8 @@ function restView(rest, me) {
       element("img", { src: avatarUrl(player.avatar), alt: "", width: 32, height: 32 }),
       element("strong", {}, player.name),
       player.name === me && element("em", {}, t("podium.you")),
-      element("span", { className: "podium-note" }, noteOf(player)),
+      markOf(player),
+      element("span", { className: "podium-note" }, coded ? `${noteOf(player)}, ${shotsOf(player)}` : noteOf(player)),
     ),
   );
   const list = element("ol", { className: "podium-rest" }, ...rows);
@@ -85,4 +93,16 @@ function restView(rest, me) {
 
 function noteOf({ left, life }) {
   return left ? t("podium.left") : t("podium.life", { life: percent(life) });
+}
+
+/** Who has hit how often, and taken how many out. */
+function shotsOf({ hits, shots, kills }) {
+  const told = t("podium.shots", { hits, n: shots });
+  return kills > 0 ? `${told}, ${t("podium.kills", { n: kills })}` : told;
+}
+
+function markOf({ team }) {
+  const mark = makeMark();
+  showMark(mark, team, true);
+  return mark;
 }
