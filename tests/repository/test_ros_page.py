@@ -7,7 +7,19 @@ import pytest
 from std_msgs.msg import Empty
 
 from laser_bot_battle.master import Master
-from laser_bot_battle.msg import GameStatus, Positions, Robot_msg, RobotPosition, UserStatus
+from laser_bot_battle.msg import (
+    BoardHealth,
+    GameEvent,
+    GameStatus,
+    Health,
+    Hit,
+    Positions,
+    Robot_msg,
+    RobotPosition,
+    Setup,
+    Shot,
+    UserStatus,
+)
 from laser_bot_battle.srv import AddNewRobot
 from tests.support.battle import Battle
 from tests.support.documents import blocks, page, table
@@ -16,7 +28,22 @@ from tests.support.polling import until
 from tests.support.programs import ROOT
 
 PAGE = page("protocol-ros.md")
-TYPES = {kind._type: kind for kind in (AddNewRobot, Empty, GameStatus, Positions, Robot_msg, RobotPosition, UserStatus)}
+KINDS = (
+    AddNewRobot,
+    BoardHealth,
+    Empty,
+    GameEvent,
+    GameStatus,
+    Health,
+    Hit,
+    Positions,
+    Robot_msg,
+    RobotPosition,
+    Setup,
+    Shot,
+    UserStatus,
+)
+TYPES = {kind._type: kind for kind in KINDS}
 # what every ROS network has
 USUAL = re.compile(r"/rosout|/rosout_agg|/.*/(get_loggers|set_logger_level)")
 

@@ -8,6 +8,10 @@ python -m tests.integration.server.peers register FROM TO [KEY]   registers robo
 python -m tests.integration.server.peers hit ID           reports one hit of robot ID, registered or not
 python -m tests.integration.server.peers positions        tells where robots 0 and 1 are: on a floor of 2 m x 1 m, 0
                                                           drives to and fro along x, 1 stands in its corner
+python -m tests.integration.server.peers board ID SUPPLY  tells the health of robot ID, whose Arduino has so many mV;
+                                                          prints its setups, one JSON object a line, and "identify"
+python -m tests.integration.server.peers light WHAT...    tells of shots and hits in this order: shot:ROBOT; ten times
+                                                          within 0.2 s hit:ROBOT:SHOOTER (coded), response:ROBOT (plain)
 """
 
 import json
@@ -21,7 +25,18 @@ import requests
 import rospy
 from std_msgs.msg import Empty
 
-from laser_bot_battle.msg import GameStatus, Positions, Robot_msg, RobotPosition, UserStatus
+from laser_bot_battle.msg import (
+    BoardHealth,
+    GameStatus,
+    Health,
+    Hit,
+    Positions,
+    Robot_msg,
+    RobotPosition,
+    Setup,
+    Shot,
+    UserStatus,
+)
 from laser_bot_battle.srv import AddNewRobot
 
 
@@ -60,12 +75,13 @@ def ping(url: str, robot_id: int) -> bool:
 
 def status() -> None:
     def plain(user: UserStatus) -> dict[str, object]:
-        return {slot: getattr(user, slot) for slot in user.__slots__}
+        return {slot: getattr(user, slot) for slot in user.__slots__}  # or an event
 
     def received(message: GameStatus) -> None:
         content = {slot: getattr(message, slot) for slot in message.__slots__}
         content["users"] = [plain(user) for user in message.users]
         content["result"] = [plain(user) for user in message.result]
+        content["events"] = [plain(event) for event in message.events]
         print(json.dumps(content), flush=True)
 
     rospy.init_node("peer_status", anonymous=True)
@@ -118,6 +134,58 @@ def positions() -> None:
         time.sleep(0.1)
 
 
+def board(robot_id: str, supply: str) -> None:
+    def told(setup: Setup) -> None:
+        print(json.dumps({slot: getattr(setup, slot) for slot in setup.__slots__}), flush=True)
+
+    rospy.init_node(f"peer_board{robot_id}")
+    rospy.Subscriber(f"/Robot{robot_id}/setup", Setup, told)
+    rospy.Subscriber(f"/Robot{robot_id}/identify", Empty, lambda _: print("identify", flush=True))
+    publisher = rospy.Publisher(f"/Robot{robot_id}/health", Health, queue_size=1)
+    health = Health(has_board=True, board=BoardHealth(major=1, supply=int(supply)), cpu=float("nan"), wifi=-60)
+    while not rospy.is_shutdown():
+        publisher.publish(health)
+        time.sleep(0.2)
+
+
+ROBOT_TOPICS = (("hit", Hit), ("response", Empty))
+
+
+def light(*words: str) -> None:
+    def publisher(topic: str, kind: type) -> rospy.Publisher:
+        if topic not in publishers:
+            publishers[topic] = rospy.Publisher(topic, kind, queue_size=10)
+            wait_for(publishers[topic].get_num_connections)
+        return publishers[topic]
+
+    rospy.init_node("peer_light", anonymous=True)
+    publishers: dict[str, rospy.Publisher] = {}
+    for topic, kind in [("/shots", Shot), *[(f"/Robot{n}/{of}", k) for n in (0, 1) for of, k in ROBOT_TOPICS]]:
+        publisher(topic, kind)
+    for word in words:
+        what, robot_id, *shooter = word.split(":")
+        if what == "shot":
+            time.sleep(0.5)  # the robots' cooldown
+            publisher("/shots", Shot).publish(Shot(int(robot_id)))
+            continue
+        for _ in range(10):
+            time.sleep(0.02)  # the news of shots come by another connection
+            if what == "hit":
+                publisher(f"/Robot{robot_id}/hit", Hit).publish(Hit(shooter=int(shooter[0]), team=0, damage=5))
+            else:
+                publisher(f"/Robot{robot_id}/response", Empty).publish(Empty())
+    print("done", flush=True)
+    rospy.spin()
+
+
+def wait_for(condition: Callable[[], object]) -> None:
+    end = time.monotonic() + 10
+    while not condition():
+        if time.monotonic() > end:
+            sys.exit("nothing has come of it")
+        time.sleep(0.01)
+
+
 if __name__ == "__main__":
     role, *words = sys.argv[1:]
     roles: dict[str, Callable[..., None]] = {
@@ -127,5 +195,7 @@ if __name__ == "__main__":
         "register": register,
         "hit": hit,
         "positions": positions,
+        "board": board,
+        "light": light,
     }
     roles[role](*words)

@@ -1,6 +1,7 @@
 """Whatever people, robots, operators and clocks do in whatever order: the rules hold."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -10,6 +11,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 
 from server.game import desk, events
 from server.game.events import Recorded
+from server.game.light import DELAY, PULSE
 from server.game.referee import Referee, Verdict
 from server.game.replay import replay
 from server.game.rules import Rules
@@ -17,6 +19,7 @@ from server.game.saved import restore
 
 NAMES = st.sampled_from(["ada", "bob", "cy", "dee", "eve", "fay"])
 ROBOTS = st.integers(0, 3)
+ROUNDS = st.lists(st.tuples(ROBOTS, ROBOTS, st.sampled_from([0.0, 0.1, 0.5])), min_size=5, max_size=20)
 
 
 class Evening(RuleBasedStateMachine):
@@ -34,9 +37,20 @@ class Evening(RuleBasedStateMachine):
         self.first: set[str] = set()  # who waits because of a robot that is out of service
         self.paused = False
         self.out: set[int] = set()  # robots out of service
+        self.fired: list[tuple[float, str, set[str]]] = []  # shots: when, by whom, whom they have met
+        self.told = True  # whether the hits that are reported now need a shot
+        self.teams: dict[str, int] = {}  # of who fights
+        self.friendly_fire = False
 
-    @initialize(robots=st.integers(0, 4), people=st.integers(0, 6))
-    def some_are_there(self, robots: int, people: int) -> None:
+    @initialize(
+        robots=st.integers(0, 4),
+        people=st.integers(0, 6),
+        light=st.sampled_from(["plain", "coded"]),
+        teams=st.sampled_from([0, 2, 3, 4]),
+    )
+    def some_are_there(self, robots: int, people: int, light: str, teams: int) -> None:
+        self.numbers = replace(self.numbers, light=light, teams=teams)
+        self.referee = Referee(self.numbers)
         for robot in range(robots):
             self.robot_comes(robot)
         self.serial_nodes_come_and_go(set(range(robots)))
@@ -51,9 +65,41 @@ class Evening(RuleBasedStateMachine):
     def serial_nodes_come_and_go(self, linked: set[int]) -> None:
         self.referee.robots_linked(linked, self.now)
 
+    @rule(robot=ROBOTS, told=st.booleans())
+    def hit(self, robot: int, told: bool) -> None:
+        self.told = told
+        self.referee.hit(robot, self.now, shots_told=told)
+        self.note()
+
     @rule(robot=ROBOTS)
-    def hit(self, robot: int) -> None:
-        self.referee.hit(robot, self.now)
+    def shoot(self, robot: int) -> None:
+        if self.referee.shot(robot, self.now):
+            fighter = next(one for one in self.referee.snapshot(self.now).players if one.robot == robot)
+            assert fighter.ready
+            assert fighter.life
+            self.fired.append((self.now, fighter.name, set()))
+
+    @rule(shooter=ROBOTS, victims=st.lists(ROBOTS, max_size=10), told=st.booleans(), code=st.integers(0, 255))
+    def packets(self, shooter: int, victims: list[int], told: bool, code: int) -> None:
+        self.told = told
+        for victim in victims:
+            self.referee.shot_hit(victim, shooter, code, self.now, shots_told=told)
+        self.note()
+
+    @precondition(lambda self: self.referee.snapshot(self.now).game == 2)
+    @rule(rounds=ROUNDS)
+    def they_fight(self, rounds: list[tuple[int, int, float]]) -> None:
+        """By the light of the hour: who shoots, who is met, and how long until the next shot."""
+        for shooter, victim, pause in rounds:
+            self.shoot(shooter)
+            for _ in range(2):
+                self.hit(victim, True)
+                self.packets(shooter, [victim], True, 5)
+            self.time_passes(pause, present=True)
+
+    @rule(name=NAMES, team=st.integers(-1, 5))
+    def choose_team(self, name: str, team: int) -> None:
+        self.referee.choose_team(name, team, self.sessions.get(name, ""), self.now)
 
     @rule(name=NAMES, wait=st.booleans(), wanted=st.none() | ROBOTS, address=st.sampled_from(["", "a", "b"]))
     def sign_up(self, name: str, wait: bool, wanted: int | None, address: str) -> None:
@@ -101,7 +147,7 @@ class Evening(RuleBasedStateMachine):
     @rule(robot=ROBOTS)
     def operator_pauses_and_somebody_is_hit(self, robot: int) -> None:
         self.operate(desk.pause)
-        self.hit(robot)
+        self.hit(robot, False)
 
     @rule(wish=st.sampled_from([desk.pause, desk.resume, desk.abort, desk.start]))
     def operator_leads_the_battle(self, wish: Callable[..., Any]) -> None:
@@ -127,6 +173,10 @@ class Evening(RuleBasedStateMachine):
                 "hit_damage": st.sampled_from([None, 50, 100]),
                 "countdown": st.sampled_from([None, 1, 15]),
                 "battles_in_row": st.none() | st.integers(0, 2),
+                "light": st.sampled_from(["plain", "coded"]),
+                "teams": st.sampled_from([None, 2, 3, 4]),
+                "friendly_fire": st.booleans(),
+                "light_damage": st.booleans(),
             },
         )
     )
@@ -141,8 +191,8 @@ class Evening(RuleBasedStateMachine):
         self.referee, self.now = Referee(self.numbers, state), self.now + pause
 
     @precondition(lambda self: len(self.referee.snapshot(self.now).players) >= 2)
-    @rule()
-    def two_ready_players_get_a_battle(self) -> None:
+    @rule(rounds=ROUNDS)
+    def two_ready_players_get_a_battle(self, rounds: list[tuple[int, int, float]]) -> None:
         """From any state, as soon as the running battle is over, and while nobody pauses or aborts it."""
         self.operate(desk.resume)
         if self.referee.snapshot(self.now).game == 2:
@@ -156,6 +206,7 @@ class Evening(RuleBasedStateMachine):
             for _ in range(17):
                 self.time_passes(1.0, present=True)
             assert self.referee.snapshot(self.now).game == 2
+            self.they_fight(rounds)
 
     def note(self) -> None:
         """What has been decided: no hit and no start in a pause, nothing of a robot that is out of service."""
@@ -173,15 +224,53 @@ class Evening(RuleBasedStateMachine):
                     self.paused = isinstance(event, events.Paused)
                 case events.BattleEnded() | events.CountdownStopped():
                     self.paused = False
-                case events.Hit():
+                case events.Hit(name, _, _, by):
                     assert not self.paused
-                case events.BattleStarted():
+                    self.note_hit(name, by)
+                case events.RulesChanged(changes) if "friendly_fire" in changes:
+                    self.friendly_fire = bool(changes["friendly_fire"])
+                case events.BattleStarted(_, _, fighters):
                     assert event.by or not self.paused
                     self.paused = False
+                    self.note_teams(fighters, event.teams)
                 case events.ServiceChanged(robot, in_service):
                     (self.out.discard if in_service else self.out.add)(robot)
                 case events.Offered(_, robot) | events.SignedUp(_, robot):
                     assert robot not in self.out
+
+    def note_hit(self, name: str, by: str) -> None:
+        """A hit is of somebody else, and of a shot under way that has not met this one yet."""
+        assert by != name
+        if by and not self.friendly_fire:
+            assert not self.teams[name] or self.teams[name] != self.teams[by]
+        if self.told:
+            shots = [one for one in self.fired if self.now - one[0] <= PULSE + DELAY and one[1] != name]
+            assert [one for one in shots if by in {"", one[1]} and (not by or name not in one[2])]
+            if by:
+                next(one for one in shots if one[1] == by and name not in one[2])[2].add(name)
+
+    def note_teams(self, fighters: Iterable[events.Fighter], teams: int) -> None:
+        """There are two sides at least, and no team that there is not."""
+        self.teams = {fighter.name: fighter.team for fighter in fighters}
+        if teams:
+            assert len(set(self.teams.values())) >= 2
+            assert set(self.teams.values()) <= set(range(1, teams + 1))
+        else:
+            assert set(self.teams.values()) == {0}
+
+    @invariant()
+    def a_battle_has_two_sides(self) -> None:
+        snapshot = self.referee.snapshot(self.now)
+        if snapshot.game == 2:
+            alive = [player for player in snapshot.players if player.ready and player.life]
+            assert len({player.team or player.name for player in alive}) >= 2
+
+    @invariant()
+    def who_stands_together_shares_a_place(self) -> None:
+        result = self.referee.snapshot(self.now).result
+        for team in {placing.team for placing in result} - {0}:
+            assert len({placing.place for placing in result if placing.team == team and not placing.left}) <= 1
+        assert [placing.place for placing in result] == sorted(placing.place for placing in result)
 
     @invariant()
     def what_is_paused_is_paused(self) -> None:
