@@ -43,6 +43,7 @@ export function podiumView(result, me, coded) {
 }
 
 function stepView({ metal, place, players }, me, coded) {
+  const { team } = players[0];
   const crowd = element("div", { className: "podium-crowd" }, ...players.map((player) => honouredView(player, me, coded)));
   const block = element(
     "div",
@@ -50,9 +51,9 @@ function stepView({ metal, place, players }, me, coded) {
     element("span", { className: "visually-hidden" }, `${t(`podium.${metal}`)}, `),
     element("span", {}, String(place)),
   );
-  const step = element("li", { className: "podium-step", value: place }, block, crowd);
+  const step = element("li", { className: "podium-step", value: place }, block, crowd, team > 0 && markOf(players[0]));
   step.dataset.metal = metal;
-  step.dataset.crowd = players.length > 2 ? "many" : "few";
+  step.dataset.crowd = team > 0 ? "team" : players.length > 2 ? "many" : "few";
   return step;
 }
 
@@ -66,9 +67,7 @@ function honouredView(player, me, coded) {
       {},
       element("strong", {}, player.name),
       player.name === me && element("em", {}, t("podium.you")),
-      markOf(player),
-      element("span", { className: "podium-note" }, noteOf(player)),
-      coded && element("span", { className: "podium-note" }, shotsOf(player)),
+      ...notesOf(player, coded).map((note) => element("span", { className: "podium-note" }, note)),
     ),
   );
 }
@@ -83,7 +82,7 @@ function restView(rest, me, coded) {
       element("strong", {}, player.name),
       player.name === me && element("em", {}, t("podium.you")),
       markOf(player),
-      element("span", { className: "podium-note" }, coded ? `${noteOf(player)}, ${shotsOf(player)}` : noteOf(player)),
+      element("span", { className: "podium-note" }, notesOf(player, coded).join(", ")),
     ),
   );
   const list = element("ol", { className: "podium-rest" }, ...rows);
@@ -91,14 +90,10 @@ function restView(rest, me, coded) {
   return list;
 }
 
-function noteOf({ left, life }) {
-  return left ? t("podium.left") : t("podium.life", { life: percent(life) });
-}
-
-/** Who has hit how often, and taken how many out. */
-function shotsOf({ hits, shots, kills }) {
-  const told = t("podium.shots", { hits, n: shots });
-  return kills > 0 ? `${told}, ${t("podium.kills", { n: kills })}` : told;
+/** What there is to say of a player: who has hit how often, and taken how many out, if the light has told it. */
+function notesOf({ left, life, shots, hits, kills }, coded) {
+  const end = left ? t("podium.left") : t("podium.life", { life: percent(life) });
+  return [end, coded && shots > 0 && t("podium.shots", { hits, shots }), coded && kills > 0 && t("podium.kills", { n: kills })].filter(Boolean);
 }
 
 function markOf({ team }) {
