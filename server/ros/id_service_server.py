@@ -5,6 +5,7 @@ from typing import Any
 
 import rospy
 
+from laser_bot_battle.addresses import machine_of
 from laser_bot_battle.names import ADD_NEW_ROBOT, KEY_FIELD
 from laser_bot_battle.srv import AddNewRobot, AddNewRobotResponse
 from server.game.loop import GameLoop
@@ -27,7 +28,7 @@ class IdServiceServer:
         caller, key = header.get("callerid", ""), header.get(KEY_FIELD, "")
         if key and not _DIGEST.fullmatch(key):
             raise rospy.ServiceException(f"the header field {KEY_FIELD} is no SHA-256 in hexadecimal digits")
-        robot_id = self._game.add_robot(caller, key=key, address=header[PEER])
+        robot_id = self._game.add_robot(caller, key=key, address=machine_of(header[PEER]))
         if robot_id is None:
             raise rospy.ServiceException(
                 "no ID left: all 128 are in use, or kept for robots that were here before "

@@ -16,6 +16,7 @@ from typing import Any, NoReturn
 from flask import Blueprint, Response, abort, make_response, request
 from jinja2.utils import htmlsafe_json_dumps
 
+from laser_bot_battle.addresses import machine_of
 from laser_bot_battle.names import SESSION_COOKIE, Game, session_digest, session_ticket
 from laser_bot_battle.token_bucket import TokenBuckets
 from server.game.loop import GameLoop
@@ -187,7 +188,9 @@ def _add_battle(api: Blueprint, game: GameLoop) -> None:
     @api.post("/incAlive")
     def inc_alive() -> Response:
         robot_id = _robot_id(_field("ID"), "ID")
-        verdict = game.robot_alive(robot_id, key=request.form.get("key", ""), address=visitor_address())
+        # a robot on this machine may have registered by one of its addresses, and ping by another
+        address = machine_of(visitor_address())
+        verdict = game.robot_alive(robot_id, key=request.form.get("key", ""), address=address)
         if verdict is Verdict.NOT_YOURS:
             _refuse(403, "only that robot can say that it is alive")
         return reply(status="OK" if verdict is Verdict.OK else "ERROR")

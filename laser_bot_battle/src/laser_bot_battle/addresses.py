@@ -2,13 +2,16 @@
 
 import re
 import socket
+import time
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import ifaddr
 
 # of containers' engines, Kubernetes and virtual machines: whoever is there is on this machine
 _INTERNAL = re.compile(r"docker|br-[0-9a-f]{12}$|veth|virbr|cni|flannel|podman")
+_LASTS = 5.0  # s that the addresses of this machine are taken to stay
 _ANY = ("0.0.0.0", "::")
 _MULTICAST_DNS = ("224.0.0.251", 5353)
 
@@ -51,6 +54,17 @@ def reachable_addresses(bind: str) -> list[LanAddress]:
 def own_addresses() -> set[str]:
     """All IPv4 addresses of this machine."""
     return {str(address.ip) for adapter in _adapters() for address in adapter.ips if address.is_IPv4}
+
+
+def machine_of(address: str) -> str:
+    """What tells the machine that has this IPv4 address: 127.0.0.1 for each of this machine's own."""
+    is_own = address.startswith("127.") or address in _own_addresses(int(time.monotonic() / _LASTS))
+    return "127.0.0.1" if is_own else address
+
+
+@lru_cache(maxsize=1)
+def _own_addresses(_turn: int) -> frozenset[str]:
+    return frozenset(own_addresses())
 
 
 def local_address(host: str, port: int) -> str:

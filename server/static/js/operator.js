@@ -52,6 +52,7 @@ async function confirm({ title, text, ok }, order, then) {
 
 const on = {
   service: (id, inService) => act(() => api.setService(id, inService)),
+  identify: (id) => act(() => api.identify(id)),
   drive: (id) => act(() => drive.start(id)),
   signOut: (name) =>
     confirm({ title: t("desk.sign_out_sure", { name }), text: t("desk.sign_out_text"), ok: t("desk.sign_out_player") }, () =>

@@ -45,8 +45,8 @@ export class RulesForm {
   }
 
   #row(name, rule) {
-    const kind = typeof rule.value === "boolean" ? { type: "checkbox" } : { type: "number", step: "any", required: true };
-    const input = element("input", { id: `rule-${name}`, ...kind });
+    const input = inputOf(rule);
+    input.id = `rule-${name}`;
     if (rule.min !== null) Object.assign(input, { min: rule.min, max: rule.max, inputMode: "decimal" });
     input.setAttribute("aria-describedby", `rule-${name}-text`);
     const onclick = () => {
@@ -72,8 +72,18 @@ export class RulesForm {
   }
 }
 
+/** The control for a rule's value: one of its words, yes or no, or a number. */
+function inputOf({ value, words: choices }) {
+  if (choices.length > 0) return element("select", {}, ...choices.map((word) => element("option", { value: word }, word)));
+  if (typeof value === "boolean") return element("input", { type: "checkbox" });
+  return element("input", { type: "number", step: "any", required: true });
+}
+
 const field = (name, row = document) => row.querySelector(`#rule-${name}`);
-const valueOf = (input) => (input.type === "checkbox" ? input.checked : input.valueAsNumber);
+function valueOf(input) {
+  if (input.type === "checkbox") return input.checked;
+  return input.type === "number" ? input.valueAsNumber : input.value;
+}
 
 function setValue(input, value) {
   if (Object.is(valueOf(input), value)) return; // "1." is 1: nobody's typing is disturbed

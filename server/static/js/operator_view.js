@@ -9,6 +9,7 @@ const byId = (id) => document.getElementById(id);
 
 const ROBOT = [
   ["id", t("desk.robot")], ["host", t("desk.host")], ["player", t("desk.player")], ["ping", t("desk.ping")], ["link", t("desk.link")],
+  ["health", t("desk.health")],
 ];
 const PLAYER = [
   ["name", t("desk.name")], ["robot", t("desk.robot")], ["life", t("desk.life")], ["ready", t("desk.ready")],
@@ -19,7 +20,7 @@ const WAITER = [["name", t("desk.name")], ["place", t("desk.place")], ["offer", 
 /**
  * Everything on the desk but its forms.
  * @param {object} state of GET /operator/api/state
- * @param {object} on what the rows' buttons do: service(id, inService), drive(id), signOut(name), ban(name), unban(name)
+ * @param {object} on what the rows' buttons do: service(id, inService), identify(id), drive(id), signOut(name), ban(name), unban(name)
  */
 export function showState(state, on) {
   showBattle(state.game);
@@ -54,9 +55,10 @@ function showRobots(robots, on) {
     make: ({ id }) => {
       const service = rowButton("", t("desk.of_robot", { id }), () => on.service(id, service.dataset.to === "in"));
       const drive = rowButton(t("desk.test_drive"), t("desk.of_robot", { id }), () => on.drive(id));
+      const identify = rowButton(t("desk.identify"), t("desk.of_robot", { id }), () => on.identify(id));
       service.dataset.button = "service";
       drive.dataset.button = "drive";
-      return tableRow(ROBOT, [service, drive]);
+      return tableRow(ROBOT, [identify, service, drive]);
     },
     fill: (row, robot) => {
       const { host, player, ping, link } = words.robotText(robot);
@@ -65,6 +67,8 @@ function showRobots(robots, on) {
       setCell(row, "player", player);
       setCell(row, "ping", ping);
       setCell(row, "link", link);
+      setCell(row, "health", words.healthText(robot.health));
+      row.querySelector('[data-field="health"]').title = words.healthDetails(robot.health);
       row.classList.toggle("is-out", !robot.in_service);
       const service = row.querySelector("[data-button=service]");
       service.dataset.to = robot.in_service ? "out" : "in";

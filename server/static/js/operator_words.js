@@ -65,6 +65,50 @@ function hostText(name, host) {
   return t("desk.host_on", { name, host });
 }
 
+const WARNINGS = {
+  silent: "desk.health_silent",
+  low_supply: "desk.health_low_supply",
+  under_voltage: "desk.health_under_voltage",
+  deaf: "desk.health_deaf",
+};
+
+/** How a robot is, in a few words; null: it has said nothing. */
+export function healthText(health) {
+  if (health === null) return t("desk.health_unknown");
+  const { board, temperature, wifi, warnings } = health;
+  const battery = board?.battery;
+  const signs = warnings.map((warning) => t(WARNINGS[warning]));
+  const facts = [
+    board?.supply > 0 && voltText(board.supply),
+    battery > 0 && t("desk.health_battery", { volt: voltText(battery) }),
+    temperature !== 0 && t("desk.health_temperature", { n: number(Math.round(temperature)) }),
+    wifi !== 0 && t("desk.health_wifi", { n: number(wifi) }),
+  ];
+  const text = [...signs, ...facts.filter(Boolean)].join(", ");
+  return { text: text || t("desk.health_fine"), level: warnings.length > 0 ? "bad" : "" };
+}
+
+const voltText = (millivolts) => `${number(Math.round(millivolts / 10) / 100)} V`;
+
+const RESETS = ["power on", "reset pin", "supply too low", "watchdog"]; // by bit, as in BoardHealth.msg
+
+/** All that a robot says of itself, for who looks closer; as the log, in English. */
+export function healthDetails(health) {
+  if (health === null) return "";
+  const { board, age, cpu } = health;
+  const pi = [`heard ${Math.round(age)} s ago`, `CPU ${Math.round(cpu * 100)} %`];
+  if (board === null) return [...pi, "no report of the Arduino"].join(", ");
+  const resets = RESETS.filter((_, bit) => board.reset_cause & (1 << bit)).join(" and ") || "unknown";
+  return [
+    ...pi,
+    `firmware ${board.major}.${board.minor} (${board.hash.toString(16).padStart(4, "0")})`,
+    `up ${clockText(board.uptime)}, last reset: ${resets}`,
+    `longest turn ${board.loop_max} us, serial round trip ${board.round_trip} us`,
+    `serial errors ${board.serial_errors}, resyncs ${board.resyncs}, overruns ${board.overruns}`,
+    `light packets ${board.packets}, broken ones ${board.bad_packets}, shots ${board.shots}`,
+  ].join("\n");
+}
+
 /** What a player does now. */
 export function playerText({ life, ready, seat_left, page_age }) {
   return {
@@ -93,6 +137,10 @@ const RULE_NAMES = {
   battles_in_row: "desk.rule_battles_in_row",
   seats: "desk.rule_seats",
   practice: "desk.rule_practice",
+  light: "desk.rule_light",
+  teams: "desk.rule_teams",
+  friendly_fire: "desk.rule_friendly_fire",
+  light_damage: "desk.rule_light_damage",
 };
 
 /** A rule's name for people. */
@@ -100,7 +148,10 @@ export const ruleName = (key) => (RULE_NAMES[key] ? t(RULE_NAMES[key]) : sentenc
 
 const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
-const valueText = (value) => (typeof value === "boolean" ? t(value ? "desk.on" : "desk.off") : number(value));
+function valueText(value) {
+  if (typeof value === "boolean") return t(value ? "desk.on" : "desk.off");
+  return typeof value === "number" ? number(value) : value;
+}
 
 /**
  * What a rule means, which values it takes and which is its default.
@@ -114,8 +165,8 @@ export function ruleText({ default: standard, min, max, text }) {
 
 /**
  * The rules that a form wants otherwise than they are.
- * @param {Record<string, number|boolean>} wanted
- * @param {Record<string, {value: number|boolean}>} rules
+ * @param {Record<string, number|boolean|string>} wanted
+ * @param {Record<string, {value: number|boolean|string}>} rules
  */
 export function changedRules(wanted, rules) {
   return Object.fromEntries(Object.entries(wanted).filter(([name, value]) => rules[name].value !== value));

@@ -2,6 +2,8 @@
 
 python -m tests.integration.server.peers robot NAME URL   registers (NAME "-": without a node name), pings URL; is on
                                                           its topics (but "-"); each SIGUSR1 is a hit
+python -m tests.integration.server.peers original URL     as the original's client: registers without a node name and
+                                                          pings; its serial node is Robot<ID>
 python -m tests.integration.server.peers status           prints /game_status, one JSON object a line
 python -m tests.integration.server.peers crowd            registers nameless robots until the server refuses
 python -m tests.integration.server.peers register FROM TO [KEY]   registers robots with these numbers as names
@@ -58,6 +60,17 @@ def robot(name: str, url: str) -> None:
         print("registered", robot_id, flush=True)
         while ping(url, robot_id):
             time.sleep(0.4)
+
+
+def original(url: str) -> None:
+    rospy.wait_for_service("/add_new_robot")
+    robot_id = rospy.ServiceProxy("/add_new_robot", AddNewRobot)().ID
+    print("registered", robot_id, flush=True)
+    rospy.init_node(f"Robot{robot_id}", disable_signals=True)
+    publisher = join_topics(robot_id)
+    while publisher and ping(url, robot_id):
+        time.sleep(0.4)
+    print("forgotten", flush=True)
 
 
 def join_topics(robot_id: int) -> rospy.Publisher:
@@ -190,6 +203,7 @@ if __name__ == "__main__":
     role, *words = sys.argv[1:]
     roles: dict[str, Callable[..., None]] = {
         "robot": robot,
+        "original": original,
         "status": status,
         "crowd": crowd,
         "register": register,

@@ -3,11 +3,13 @@
 import json
 import socket
 import sqlite3
+import time
 from contextlib import closing
 from urllib.parse import urlsplit
 
 import pytest
 
+from laser_bot_battle.addresses import own_addresses
 from laser_bot_battle.master import Master
 from tests.support.polling import until
 
@@ -55,6 +57,23 @@ def test_a_robot_that_restarts_at_once_keeps_its_player(server):
     assert again.id == 0
     assert available(server) == 0
     assert json.loads(ada.post("updateGameStatus")["users"])[0]["name"] == "ada"
+
+
+def test_two_original_clients_get_two_ids_and_keep_them_whatever_address_of_the_machine_they_use(launch):
+    """They register at the address that ROS tells, and ping the one that they were given."""
+    others = sorted(address for address in own_addresses() if not address.startswith("127."))
+    if not others:
+        pytest.skip("this machine has no other address than 127.0.0.1")
+    server = launch(ROS_HOSTNAME=others[0])
+    server.wait_until_serving()
+    for robot_id in (0, 1):
+        robot = server.peer("original", server.url)
+        robot.wait_for(f"registered {robot_id}", 15)
+        until(lambda robot_id=robot_id: server.is_linked(robot_id), 10)
+        began = time.monotonic()
+        until(lambda began=began: time.monotonic() > began + 5, 10, "longer than a silent robot is kept")
+    assert available(server) == 2
+    assert "gone" not in server.program.output
 
 
 def test_the_ids_that_an_older_version_has_kept_in_a_file_are_taken_over_once(launch, tmp_path):

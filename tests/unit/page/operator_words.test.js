@@ -86,3 +86,34 @@ test("the desk speaks the page's language, its numbers and clock too", () => {
   assert.equal(words.ruleText(rule({ min: 0.5, max: 9, default: 2.5 })).bounds, "Von 0,5 bis 9. Standard: 2,5.");
   assert.match(words.timeText(Date.UTC(2026, 10, 24, 12) / 1000), /^\d\d:00:00$/);
 });
+
+const board = {
+  major: 1, minor: 0, hash: 0xab, reset_cause: 9, uptime: 65, supply: 4950, battery: 0, loop_max: 120, round_trip: 9000,
+  serial_errors: 1, resyncs: 2, overruns: 0, packets: 7, bad_packets: 3, shots: 9,
+};
+const health = (values) => ({ age: 0.4, warnings: [], cpu: 0.25, temperature: 48.6, wifi: -55, under_voltage: false, board, ...values });
+
+test("how a robot is, and what needs a hand first", () => {
+  assert.deepEqual(words.healthText(health()), { text: "4.95 V, 49 °C, Wi-Fi -55 dBm", level: "" });
+  const sick = health({ warnings: ["low_supply", "deaf"], board: { ...board, supply: 4300, battery: 6100 }, wifi: 0 });
+  assert.deepEqual(words.healthText(sick), {
+    text: "LOW SUPPLY, DEAF: light on its sensor, 4.3 V, battery 6.1 V, 49 °C",
+    level: "bad",
+  });
+  assert.deepEqual(words.healthText(health({ board: null, temperature: 0, wifi: 0 })), { text: "fine", level: "" });
+  assert.equal(words.healthText(null), "says nothing");
+});
+
+test("all that a robot says of itself", () => {
+  const text = words.healthDetails(health());
+  assert.match(text, /firmware 1\.0 \(00ab\)/);
+  assert.match(text, /up 1:05, last reset: power on and watchdog/);
+  assert.match(text, /light packets 7, broken ones 3, shots 9/);
+  assert.match(words.healthDetails(health({ board: null })), /no report of the Arduino/);
+  assert.equal(words.healthDetails(null), "");
+});
+
+test("a rule whose values are words", () => {
+  assert.equal(words.ruleText({ ...rule(), default: "plain", min: null, max: null }).bounds, "Default: plain.");
+  assert.deepEqual(words.changedRules({ light: "coded" }, { light: rule({ value: "plain" }) }), { light: "coded" });
+});

@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 
+from laser_bot_battle.addresses import machine_of, own_addresses
 from laser_bot_battle.names import is_session_ticket, key_digest
 from server.game import events
 from server.game.loop import GameLoop
@@ -465,6 +466,15 @@ def test_a_ping_from_another_address_than_the_robots_changes_nothing(site, brows
     assert browser.post("/incAlive", data={"ID": "3"}, environ_base=here).text == '{"status": "OK"}'
     forged = {"X-Forwarded-For": "10.0.0.7"}
     assert browser.post("/incAlive", data={"ID": "3"}, environ_base=there, headers=forged).status_code == 403
+
+
+def test_a_robot_on_this_machine_may_ping_by_any_of_its_addresses(site, browser):
+    site.battle.add_robot("/original", address=machine_of("127.0.0.1"))
+    for address in ("127.0.0.1", "127.0.1.1", *own_addresses()):
+        ping = browser.post("/incAlive", data={"ID": "3"}, environ_base={"REMOTE_ADDR": address})
+        assert ping.text == '{"status": "OK"}', address
+    elsewhere = {"REMOTE_ADDR": "203.0.113.7"}
+    assert browser.post("/incAlive", data={"ID": "3"}, environ_base=elsewhere).status_code == 403
 
 
 @pytest.mark.parametrize("robot_id", ["", "x", "1.0", " 1 ", "١", "0x1", "1e3", "+1", "--1", "1\n", "9" * 5000, "None"])
