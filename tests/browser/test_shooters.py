@@ -1,5 +1,6 @@
-"""Teams, and light that tells who has shot, in real browsers: the robots' reports come from a ROS node of the test."""
+"""Teams, and light that tells who has shot, in real browsers: the robots' reports come from a ROS node of the tests."""
 
+import contextlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -33,22 +34,19 @@ def people(chromium: Browser) -> Iterator[Callable[[Battle], tuple[Person, Perso
         assert person.complaints == []
 
 
-class Light:
-    """What the robots' light does, such as "shot:0" and "hit:1:0": robot 0 shoots, and its packet comes to robot 1."""
-
-    def __init__(self, battle: Battle, *words: str) -> None:
-        ros = {
-            "ROS_MASTER_URI": f"http://127.0.0.1:{battle.ports['LASERBOT_ROS_PORT']}",
-            "ROS_IP": "127.0.0.1",
-            "ROS_HOSTNAME": "127.0.0.1",
-        }
-        self._node = Program.python("tests.integration.server.peers", "light", *words, env=ros)
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, *_: object) -> None:
-        self._node.stop()
+@contextlib.contextmanager
+def node(battle: Battle, *words: str) -> Iterator[None]:
+    """A ROS node beside those of the battle's robots: see tests/integration/server/peers.py."""
+    ros = {
+        "ROS_MASTER_URI": f"http://127.0.0.1:{battle.ports['LASERBOT_ROS_PORT']}",
+        "ROS_IP": "127.0.0.1",
+        "ROS_HOSTNAME": "127.0.0.1",
+    }
+    program = Program.python("tests.integration.server.peers", *words, env=ros)
+    try:
+        yield
+    finally:
+        program.stop()
 
 
 def play(*people: Person) -> None:
@@ -60,7 +58,9 @@ def play(*people: Person) -> None:
 
 def shown(page: Page, selector: str) -> str:
     """The text of what is shown for a moment only, taken at sight."""
-    seen = page.wait_for_function("selector => document.querySelector(`${selector}:not([hidden])`)?.textContent", arg=selector)
+    seen = page.wait_for_function(
+        "shown => document.querySelector(shown)?.textContent", arg=f"{selector}:not([hidden])"
+    )
     return " ".join(str(seen.json_value()).split())
 
 
@@ -68,10 +68,10 @@ def shown(page: Page, selector: str) -> str:
 def test_shooter_and_victim_see_whose_hit_it_was(
     people: Callable[[Battle], tuple[Person, Person]], screenshots: Path
 ) -> None:
-    with Battle(robots=2, **CODED) as battle:
+    with Battle(robots=2, bots=0, **CODED) as battle:
         ann, bob = people(battle)
         play(ann, bob)
-        with Light(battle, "shot:0", "hit:1:0"):
+        with node(battle, "light", "shot:0", "hit:1:0"):
             assert shown(ann.page, "#hit-mark") == "+1Bob"
             ann.page.screenshot(path=screenshots / "hit.png")
             assert shown(bob.page, "#hit-note") == "Hit by Ann!"
@@ -81,7 +81,9 @@ def test_shooter_and_victim_see_whose_hit_it_was(
                 expect(entry.locator("img:visible")).to_have_count(2)
             expect(ann.page.locator("#announcer")).to_have_text("You hit Bob: 50 percent left.")
             expect(bob.page.locator("#announcer")).to_have_text("Hit by Ann! Life 50 percent.")
-        with Light(battle, "hit:1:0", "shot:0", "shot:0", "hit:1:0"):  # the first is nobody's: no shot is under way
+        with node(
+            battle, "light", "hit:1:0", "shot:0", "shot:0", "hit:1:0"
+        ):  # the first is nobody's: no shot is under way
             assert shown(ann.page, "#hit-mark[data-kind=kill]") == "+1Bob is out!"
         expect(ann.page.locator("#feed")).to_contain_text("Ann takes Bob out!")
         result = ann.page.locator("dialog[open]")
@@ -92,11 +94,22 @@ def test_shooter_and_victim_see_whose_hit_it_was(
 
 
 @pytest.mark.timeout(600)
+def test_who_drives_a_weak_robot_is_told(people: Callable[[Battle], tuple[Person, Person]]) -> None:
+    with Battle(robots=2) as battle:
+        ann, bob = people(battle)
+        expect(ann.page.locator("#own-weak")).to_be_hidden()
+        with node(battle, "board", str(ann.robot), "4300"):
+            expect(ann.page.locator("#own-weak")).to_have_text("Battery low: tell the operator")
+            expect(ann.page.locator("#own-weak")).to_be_visible()
+            assert violations(ann.page) == []
+            expect(bob.page.locator("#own-weak")).to_be_hidden()
+
+
+@pytest.mark.timeout(600)
 def test_teams_are_chosen_fight_and_win(
     people: Callable[[Battle], tuple[Person, Person]], chromium: Browser, screenshots: Path
 ) -> None:
-    with Battle(robots=3, LASERBOT_TEAMS="2", **CODED) as battle, Player(battle, "Cem") as cem:
-        cem.post("signOutUser", data="Cem")  # robots 0 and 1 are for the browsers
+    with Battle(robots=3, bots=0, LASERBOT_TEAMS="2", **CODED) as battle:
         ann, bob = people(battle)
         with Player(battle, "Dora") as dora:
             watch = chromium.new_page()
@@ -121,7 +134,7 @@ def test_teams_are_chosen_fight_and_win(
             expect(watch.locator("#headline")).to_have_text("2 teams are still standing")
             ann.page.screenshot(path=screenshots / "teams.png")
             assert violations(ann.page) == []
-            with Light(battle, "shot:0", "hit:1:0", "shot:0", "hit:1:0"):
+            with node(battle, "light", "shot:0", "hit:1:0", "shot:0", "hit:1:0"):
                 expect(watch.locator("#feed li").first).to_have_text("Team Red wins!")
             expect(watch.locator("[data-metal=gold]")).to_contain_text("Dora")
             expect(ann.page.locator("dialog[open]")).to_contain_text("YOU WIN!")
