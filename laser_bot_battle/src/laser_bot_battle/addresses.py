@@ -57,9 +57,8 @@ def own_addresses() -> set[str]:
 
 
 def machine_of(address: str) -> str:
-    """What tells the machine that has this IPv4 address: 127.0.0.1 for each of this machine's own."""
-    is_own = address.startswith("127.") or address in _own_addresses(int(time.monotonic() / _LASTS))
-    return "127.0.0.1" if is_own else address
+    """The address, or 127.0.0.1 for each that an interface of this machine has: they all mean the same."""
+    return "127.0.0.1" if address in _own_addresses(int(time.monotonic() / _LASTS)) else address
 
 
 @lru_cache(maxsize=1)

@@ -470,7 +470,7 @@ def test_a_ping_from_another_address_than_the_robots_changes_nothing(site, brows
 
 def test_a_robot_on_this_machine_may_ping_by_any_of_its_addresses(site, browser):
     site.battle.add_robot("/original", address=machine_of("127.0.0.1"))
-    for address in ("127.0.0.1", "127.0.1.1", *own_addresses()):
+    for address in ("127.0.0.1", *own_addresses()):
         ping = browser.post("/incAlive", data={"ID": "3"}, environ_base={"REMOTE_ADDR": address})
         assert ping.text == '{"status": "OK"}', address
     elsewhere = {"REMOTE_ADDR": "203.0.113.7"}
