@@ -14,7 +14,7 @@ from tests.support.polling import until
 
 @pytest.fixture
 def battle() -> Iterator[Battle]:
-    with Battle(robots=2, LASERBOT_COUNTDOWN="20", LASERBOT_HIT_DAMAGE="100") as running:
+    with Battle(robots=2, LASERBOT_COUNTDOWN="20", LASERBOT_HIT_DAMAGE="100", LASERBOT_TEAMS="2") as running:
         yield running
 
 

@@ -60,7 +60,7 @@ def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Battle, screensho
         expect(body).to_have_attribute("data-panel", panel("battle"))
         expect(screen.locator("#clock strong")).to_have_text(re.compile(r"^[45]:\d\d$"))
         hunt_down(ann, bob, eyes, 75)
-        expect(feed).to_contain_text("Bob is hit")
+        expect(feed).to_contain_text("Ann hits Bob: 75%")  # nobody else has shot
         expect(players.locator("[data-name=Bob] [role=progressbar]")).not_to_have_attribute("aria-valuenow", "100")
         expect(players.locator("[data-name=Ann] [role=progressbar]")).to_have_attribute("aria-valuenow", "100")
         screen.screenshot(path=screenshots / "watch-battle.png")

@@ -43,7 +43,20 @@ def tokens() -> dict[str, tuple[str, str]]:
     return {name: (day, night) for name, day, night in TOKEN.findall((CSS / "common.css").read_text())}
 
 
-@pytest.mark.parametrize("text", ["text", "muted", "accent", "laser", "green", "amber", "red", "gold"])
+TEXTS = [
+    "text",
+    "muted",
+    "accent",
+    "laser",
+    "green",
+    "amber",
+    "red",
+    "gold",
+    *(f"team-{team}" for team in (1, 2, 3, 4)),
+]
+
+
+@pytest.mark.parametrize("text", TEXTS)
 @pytest.mark.parametrize("ground", ["night", "sky", "panel", "field"])
 def test_text_can_be_read_on_every_ground(text: str, ground: str) -> None:
     for colour, back in zip(tokens()[text], tokens()[ground], strict=True):

@@ -29,6 +29,8 @@ export const signUp = (name, avatar, robot) =>
 export const takeRobot = () => post("/takeRobot", {});
 export const signOut = (name) => post("/signOutUser", { data: name });
 export const setReady = (name, ready) => post("/playerReady", { user: name, ready: ready ? 1 : 0 });
+/** A team for the battles to come; 0: the referee deals it. */
+export const chooseTeam = (name, team) => post("/chooseTeam", { user: name, team });
 export const availableRobots = () => post("/getAvailableRobots", { data: "data" });
 
 /** The state of the battle. A proxy's error page counts as no answer. */

@@ -1,23 +1,27 @@
 // What has happened between two states of the battle, as the feed tells it. Pure.
 
+import { isSameBattle, newHits } from "./hits.js";
 import { UNKNOWN_BATTLE } from "./messages.js";
 import { COUNTDOWN, PLAYING, STOPPED } from "./state.js";
+import { teamsOf } from "./teams.js";
 
 /** @typedef {import("./messages.js").Status} Status */
 
 /**
- * The light does not tell who shot: "hit" and "out" are of the one who was hit.
+ * "hit" and "out" are of the one who was hit.
  * @typedef {object} Change
  * @property {"joined"|"left"|"ready"|"unready"|"countdown"|"cancelled"|"start"|"hit"|"out"|"end"|"aborted"|"paused"|"resumed"} kind
  * @property {string} name of the player; "" if it is nobody's
  * @property {number|null} avatar
  * @property {number|null} life after it
  * @property {number|null} robot
+ * @property {{name: string, avatar: number|null}|null} by who has shot, for "hit" and "out"; null: the light does not tell
  * @property {string[]} winners who have won, for "end"
+ * @property {number[]} teams that have won, for "end"; none: everybody has fought alone
  */
 
-const ofGame = (kind, winners = []) => ({ kind, name: "", avatar: null, life: null, robot: null, winners });
-const ofPlayer = (kind, { name, avatar, life, robot }) => ({ kind, name, avatar, life, robot, winners: [] });
+const ofGame = (kind) => ({ kind, name: "", avatar: null, life: null, robot: null, by: null, winners: [], teams: [] });
+const ofPlayer = (kind, { name, avatar, life, robot }) => ({ ...ofGame(kind), name, avatar, life, robot });
 
 /**
  * What has changed, in the order in which people would tell it. States in between may be missing.
@@ -27,11 +31,8 @@ const ofPlayer = (kind, { name, avatar, life, robot }) => ({ kind, name, avatar,
  */
 export function changes(previous, current) {
   if (!previous) return [];
-  return [...ofPeople(previous, current), ...ofPhase(previous, current), ...ofLives(previous, current), ...ofEnd(previous, current)];
+  return [...ofPeople(previous, current), ...ofPhase(previous, current), ...ofHits(previous, current), ...ofEnd(previous, current)];
 }
-
-/** The names of those who have won, by a result. */
-export const winnersOf = (result) => result.filter((entry) => entry.place === 1 && !entry.left).map((entry) => entry.name);
 
 function ofPeople(previous, current) {
   const before = byName(previous.users);
@@ -54,6 +55,17 @@ function ofPhase(previous, current) {
   return found;
 }
 
+/** The hits that the referee tells, then the lives that are lost without one. */
+function ofHits(previous, current) {
+  const people = byName([...previous.users, ...current.result, ...current.users]);
+  const hits = newHits(previous, current).map(({ name, by, life }) => ({
+    ...ofPlayer(life > 0 ? "hit" : "out", { avatar: null, robot: null, ...people.get(name), name, life }),
+    by: by ? { name: by, avatar: people.get(by)?.avatar ?? null } : null,
+  }));
+  const told = byName(hits);
+  return [...hits, ...ofLives(previous, current).filter(({ name }) => !told.has(name))];
+}
+
 function ofLives(previous, current) {
   const goesOn = previous.game === PLAYING && isSameBattle(previous, current);
   const isNews = goesOn || hasStarted(previous, current) || !isSameBattle(previous, current);
@@ -71,7 +83,10 @@ function fightersOf(previous, current) {
 }
 
 function ofEnd(previous, current) {
-  if (hasEnded(previous, current)) return [ofGame("end", winnersOf(current.result))];
+  if (hasEnded(previous, current)) {
+    const won = current.result.filter((entry) => entry.place === 1 && !entry.left);
+    return [{ ...ofGame("end"), winners: won.map((entry) => entry.name), teams: teamsOf(won) }];
+  }
   // without the referee's reason, the result is still to come
   const isAborted = previous.game === PLAYING && current.game === STOPPED && current.notice !== "";
   return isAborted ? [ofGame("aborted")] : [];
@@ -86,10 +101,6 @@ function hasEnded(previous, current) {
   if (current.game !== STOPPED || current.result.length === 0) return false;
   const wasKnown = previous.battle !== UNKNOWN_BATTLE;
   return previous.game === PLAYING || (wasKnown && (previous.result.length === 0 || !isSameBattle(previous, current)));
-}
-
-function isSameBattle(previous, current) {
-  return previous.battle === current.battle || [previous.battle, current.battle].includes(UNKNOWN_BATTLE);
 }
 
 const byName = (users) => new Map(users.map((user) => [user.name, user]));

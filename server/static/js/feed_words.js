@@ -3,6 +3,7 @@
 import { avatarUrl } from "./assets.js";
 import { element, setPicture, setText } from "./dom.js";
 import { changes } from "./feed.js";
+import { teamName } from "./teams.js";
 import { list, percent, t } from "./words.js";
 
 const MOST = 6; // entries
@@ -15,15 +16,20 @@ const TONES = {
 /**
  * A change in words.
  * @param {import("./feed.js").Change} change
- * @returns {{text: string, avatar: number|null, tone: "alert"|"good"|"hit"|"out"|"win"|"calm"}}
+ * @returns {{text: string, avatar: number|null, victim: number|null, tone: "alert"|"good"|"hit"|"out"|"win"|"calm"}}
+ *   `victim`: the second picture, of who was hit by the one of the first
  */
-export function feedEntry({ kind, name, avatar, life, winners }) {
+export function feedEntry({ kind, name, avatar, life, by, winners, teams }) {
   const tone = TONES[kind] ?? "calm";
-  if (kind === "end") return { text: endText(winners), avatar, tone };
-  return { text: t(`feed.${kind}`, { name, life: life === null ? "" : percent(life) }), avatar, tone };
+  if (kind === "end") return { text: endText(winners, teams), avatar, victim: null, tone };
+  const values = { name, life: life === null ? "" : percent(life) };
+  if (by) return { text: t(`feed.${kind}_by`, { ...values, by: by.name }), avatar: by.avatar, victim: avatar, tone };
+  return { text: t(`feed.${kind}`, values), avatar, victim: null, tone };
 }
 
-function endText(winners) {
+function endText(winners, teams) {
+  if (teams.length === 1) return t("feed.team_win", { team: teamName(teams[0]) });
+  if (teams.length > 1) return t("feed.draw", { names: list(teams.map(teamName)) });
   if (winners.length === 0) return t("feed.over");
   const names = list(winners);
   return winners.length === 1 ? t("feed.win", { names }) : t("feed.draw", { names });
@@ -50,20 +56,25 @@ export class FeedList {
     return news;
   }
 
-  #add({ text, avatar, tone }) {
+  #add({ text, avatar, victim, tone }) {
     const node = this.#list.children.length < MOST ? makeNode() : this.#list.lastElementChild;
     clearTimeout(this.#timers.get(node));
     this.#timers.set(node, setTimeout(() => node.classList.add("is-old"), FRESH));
     node.classList.remove("is-old");
     node.dataset.tone = tone;
-    const picture = node.querySelector("img");
-    picture.hidden = avatar === null;
-    if (avatar !== null) setPicture(picture, avatarUrl(avatar));
+    showPicture(node.firstElementChild, avatar);
+    showPicture(node.lastElementChild, victim);
     setText(node.querySelector("span"), text);
     this.#list.prepend(node);
   }
 }
 
 function makeNode() {
-  return element("li", { className: "feed-entry" }, element("img", { alt: "", width: 40, height: 40 }), element("span"));
+  const picture = () => element("img", { alt: "", width: 40, height: 40 });
+  return element("li", { className: "feed-entry" }, picture(), element("span"), picture());
+}
+
+function showPicture(picture, avatar) {
+  picture.hidden = avatar === null;
+  if (avatar !== null) setPicture(picture, avatarUrl(avatar));
 }

@@ -1,5 +1,6 @@
 // Which sounds, vibrations and jolts belong to what happens to a player. Pure but for what it is given to act with.
 
+import { hitsOf, newHits } from "./hits.js";
 import { COUNTDOWN, PLAYING, findUser, hasEnded, lifeLost, phaseOf } from "./state.js";
 
 /** @typedef {import("./messages.js").Status} Status */
@@ -16,6 +17,8 @@ const FEEDBACK = {
   tick: { sound: "tick" },
   last: { sound: "last" },
   go: { sound: "go" },
+  given: { sound: "given", vibrate: [35] },
+  kill: { sound: "kill", vibrate: [40, 50, 140] },
   hit: { sound: "hit", vibrate: [80], jolt: "hit" },
   out: { sound: "out", vibrate: [200, 80, 300], jolt: "out" },
   win: { sound: "win", vibrate: [60, 60, 60, 60, 240] },
@@ -28,7 +31,7 @@ const FEEDBACK = {
  * @param {Status|null} previous null right after the page has been opened: then nothing is news
  * @param {Status} current
  * @param {string} name this player
- * @returns {("tick"|"last"|"go"|"hit"|"out"|"win"|"lose")[]}
+ * @returns {("tick"|"last"|"go"|"given"|"kill"|"hit"|"out"|"win"|"lose")[]}
  */
 export function moments(previous, current, name) {
   if (!previous) return [];
@@ -37,6 +40,8 @@ export function moments(previous, current, name) {
     found.push(secondsLeft(current) <= LAST_SECONDS ? "last" : "tick");
   }
   if (previous.game === COUNTDOWN && current.game === PLAYING) found.push("go");
+  const { given } = hitsOf(newHits(previous, current), current, name);
+  if (given.length > 0) found.push(given.some(({ life }) => life === 0) ? "kill" : "given");
   if (lifeLost(previous, current, name) > 0) found.push(findUser(current, name).life > 0 ? "hit" : "out");
   if (hasEnded(previous, current, name)) {
     found.push(current.result.find((entry) => entry.name === name).place === 1 ? "win" : "lose");

@@ -12,6 +12,7 @@ import { connectGame } from "./game_controls.js";
 import { connectSwitches, settingsForm } from "./game_settings.js";
 import { Heartbeat } from "./heartbeat.js";
 import { help } from "./help.js";
+import { HitMarks } from "./hit_marks.js";
 import { makeJolt, vibrate } from "./jolt.js";
 import { LinkQuality } from "./link.js";
 import { fromReply, fromTopic } from "./messages.js";
@@ -23,6 +24,7 @@ import { Speaker } from "./speaker.js";
 import * as state from "./state.js";
 import * as storage from "./storage.js";
 import { Tally } from "./tally.js";
+import { TeamChoice } from "./team_view.js";
 import * as view from "./view.js";
 import { t } from "./words.js";
 
@@ -56,6 +58,8 @@ class Game {
   #speaker = new Speaker(this.#preferences);
   #feel = new Feel({ speaker: this.#speaker, vibrate, jolt: makeJolt(byId("stage"), byId("flash")) });
   #laser = new Laser(byId("beam"));
+  #marks = new HitMarks(byId("hit-mark"), byId("hit-note"));
+  #teams = new TeamChoice(byId("teams"), (team) => this.#chooseTeam(team));
 
   constructor(me, arena) {
     this.#me = me;
@@ -150,12 +154,14 @@ class Game {
     this.#tally.take(previous, status);
     view.showPlayer(this.#me);
     view.showStatus(status, name, this.#refusal);
+    this.#teams.show(state.teamChoice(status, name));
     if (view.showCountdown(status)) count(byId("countdown"));
     view.announce(state.announcement(previous, status, name));
     this.#feed.take(previous, status);
     this.#arena?.show({ ...arenaPlayers(status, name), labels: { you: t("game.you") } });
     this.#feel.take(previous, status, name);
-    if (state.hasEnded(previous, status, name)) this.#showResult(status.result);
+    this.#marks.take(previous, status, name);
+    if (state.hasEnded(previous, status, name)) this.#showResult(status);
     else if (status.game !== state.STOPPED && previous?.game === state.STOPPED) dialogs.closeAll(); // the next one begins
   }
 
@@ -190,8 +196,8 @@ class Game {
     return showDialog();
   }
 
-  async #showResult(result) {
-    const answer = await showResult(result, this.#me.name, this.#tally.values);
+  async #showResult(status) {
+    const answer = await showResult(status, this.#me.name, this.#tally.values);
     if (answer === "ok") this.#setReady(true);
     else if (answer === "give") this.#signOut("/watch");
   }
@@ -224,6 +230,13 @@ class Game {
       console.error("playerReady:", reply.body);
       this.#checkSession();
     }
+  }
+
+  async #chooseTeam(team) {
+    const reply = await api.chooseTeam(this.#me.name, team).catch(() => null);
+    if (!reply) dialogs.toast(t("home.no_answer"));
+    else if (reply.status === "STARTED") dialogs.show({ title: t("home.running"), text: t("home.running_text") });
+    else if (reply.status !== "OK") console.error("chooseTeam:", reply.body);
   }
 
   async #askSignOut() {

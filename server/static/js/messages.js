@@ -10,6 +10,17 @@
  * @property {number} place in a result: 1 is the winner, ties share a place
  * @property {number} seat_left s until the robot passes on to others unless the player gets ready; 0: it stays
  * @property {boolean} left in a result: gone before the end
+ * @property {number} team 1 to the status's teams; 0: fights alone, or the referee will deal it
+ * @property {number} shots fired in the running or the last battle
+ * @property {number} hits of them that have met somebody, as far as the light tells
+ * @property {number} kills of them that took the last life
+ * @property {boolean} weak whether the robot has too little voltage
+ *
+ * @typedef {object} Hit
+ * @property {number} number grows from hit to hit
+ * @property {string} name who was hit
+ * @property {string} by who has shot; empty: the light does not tell
+ * @property {number} life that is left
  *
  * @typedef {object} Status
  * @property {0|1|2} game stopped, countdown, playing
@@ -22,10 +33,15 @@
  * @property {string} notice why the last countdown or battle ended
  * @property {Player[]} users best first
  * @property {Player[]} result the last battle, best first
+ * @property {number} teams 2 to 4; 0: everybody fights alone
+ * @property {boolean} coded whether the light tells who has shot
+ * @property {Hit[]|null} events the newest of the running or the last battle, the newest last; null: not told
  */
 
 /** The battle's number when only /updateGameStatus has been heard. */
 export const UNKNOWN_BATTLE = -1;
+
+const UNTOLD = { team: 0, shots: 0, hits: 0, kills: 0, weak: false }; // by a server that knows neither teams nor shooters
 
 /** @returns {Status} from a laser_bot_battle/GameStatus of /game_status */
 export function fromTopic(message) {
@@ -38,19 +54,22 @@ export function fromTopic(message) {
     notice: message.notice,
     practice: message.practice,
     queue: message.queue.length,
-    users: message.users,
-    result: message.result,
+    users: message.users.map((user) => ({ ...UNTOLD, ...user })),
+    result: message.result.map((entry) => ({ ...UNTOLD, ...entry })),
+    teams: message.teams ?? 0,
+    coded: message.coded ?? false,
+    events: message.events ?? null,
   };
 }
 
 /**
- * From the reply to POST /updateGameStatus, which knows neither pictures nor results: those stay as they were.
+ * From the reply to POST /updateGameStatus, which knows no pictures, teams and results: those stay as they were.
  * @param {{game: number, timeLeft: number, users: string}} reply `users` is JSON text
  * @param {Status|null} previous
  * @returns {Status}
  */
 export function fromReply(reply, previous) {
-  const pictures = new Map(previous?.users.map((user) => [user.name, user.avatar]));
+  const known = new Map(previous?.users.map((user) => [user.name, user]));
   return {
     game: reply.game,
     timeLeft: reply.timeLeft,
@@ -61,15 +80,20 @@ export function fromReply(reply, previous) {
     practice: previous?.practice ?? false,
     queue: previous?.queue ?? 0,
     users: JSON.parse(reply.users).map((user) => ({
+      ...UNTOLD,
+      avatar: 0,
+      ...known.get(user.name),
       name: user.name,
       robot: user.robot,
       life: user.life,
       ready: user.ready === 1,
-      avatar: pictures.get(user.name) ?? 0,
       place: 0,
       seat_left: 0,
       left: false,
     })),
     result: reply.game === 0 ? (previous?.result ?? []) : [],
+    teams: previous?.teams ?? 0,
+    coded: previous?.coded ?? false,
+    events: null,
   };
 }

@@ -2,6 +2,8 @@
 
 import { avatarUrl } from "./assets.js";
 import { element } from "./dom.js";
+import { makeMark, showMark } from "./team_view.js";
+import { standings } from "./teams.js";
 import { percent, t } from "./words.js";
 
 /** @typedef {import("./messages.js").Player} Player */
@@ -9,49 +11,53 @@ import { percent, t } from "./words.js";
 const METALS = ["gold", "silver", "bronze"];
 
 /**
- * Who stands on which step. Ties share one, and the place after them stays empty; who has left early stands on none.
+ * Who stands on which step, teams as one. Ties share one, and the place after them stays empty; who has left early
+ * stands on none.
  * @param {Player[]} result best first
  * @returns {{steps: {metal: "gold"|"silver"|"bronze", place: number, players: Player[]}[], rest: Player[]}}
  */
 export function podium(result) {
+  const placed = standings(result);
   const steps = METALS.map((metal, index) => {
     const place = index + 1;
-    return { metal, place, players: result.filter((entry) => entry.place === place && !entry.left) };
+    return { metal, place, players: placed.filter((entry) => entry.place === place && !entry.left) };
   }).filter((step) => step.players.length > 0);
   const honoured = new Set(steps.flatMap((step) => step.players));
-  return { steps, rest: result.filter((entry) => !honoured.has(entry)) };
+  return { steps, rest: placed.filter((entry) => !honoured.has(entry)) };
 }
 
 /**
  * The podium and, below it, everybody else.
  * @param {Player[]} result best first
  * @param {string|null} me this page's player
+ * @param {boolean} coded whether the light has told who has shot
  */
-export function podiumView(result, me) {
+export function podiumView(result, me, coded) {
   const { steps, rest } = podium(result);
   return element(
     "div",
     { className: "podium" },
-    element("ol", { className: "podium-steps" }, ...steps.map((step) => stepView(step, me))),
-    rest.length > 0 && restView(rest, me),
+    element("ol", { className: "podium-steps" }, ...steps.map((step) => stepView(step, me, coded))),
+    rest.length > 0 && restView(rest, me, coded),
   );
 }
 
-function stepView({ metal, place, players }, me) {
-  const crowd = element("div", { className: "podium-crowd" }, ...players.map((player) => honouredView(player, me)));
+function stepView({ metal, place, players }, me, coded) {
+  const { team } = players[0];
+  const crowd = element("div", { className: "podium-crowd" }, ...players.map((player) => honouredView(player, me, coded)));
   const block = element(
     "div",
     { className: "podium-block" },
     element("span", { className: "visually-hidden" }, `${t(`podium.${metal}`)}, `),
     element("span", {}, String(place)),
   );
-  const step = element("li", { className: "podium-step", value: place }, block, crowd);
+  const step = element("li", { className: "podium-step", value: place }, block, crowd, team > 0 && markOf(players[0]));
   step.dataset.metal = metal;
-  step.dataset.crowd = players.length > 2 ? "many" : "few";
+  step.dataset.crowd = team > 0 ? "team" : players.length > 2 ? "many" : "few";
   return step;
 }
 
-function honouredView(player, me) {
+function honouredView(player, me, coded) {
   return element(
     "figure",
     { className: player.name === me ? "podium-player is-me" : "podium-player" },
@@ -61,12 +67,12 @@ function honouredView(player, me) {
       {},
       element("strong", {}, player.name),
       player.name === me && element("em", {}, t("podium.you")),
-      element("span", { className: "podium-note" }, noteOf(player)),
+      ...notesOf(player, coded).map((note) => element("span", { className: "podium-note" }, note)),
     ),
   );
 }
 
-function restView(rest, me) {
+function restView(rest, me, coded) {
   const rows = rest.map((player) =>
     element(
       "li",
@@ -75,7 +81,8 @@ function restView(rest, me) {
       element("img", { src: avatarUrl(player.avatar), alt: "", width: 32, height: 32 }),
       element("strong", {}, player.name),
       player.name === me && element("em", {}, t("podium.you")),
-      element("span", { className: "podium-note" }, noteOf(player)),
+      markOf(player),
+      element("span", { className: "podium-note" }, notesOf(player, coded).join(", ")),
     ),
   );
   const list = element("ol", { className: "podium-rest" }, ...rows);
@@ -83,6 +90,14 @@ function restView(rest, me) {
   return list;
 }
 
-function noteOf({ left, life }) {
-  return left ? t("podium.left") : t("podium.life", { life: percent(life) });
+/** What there is to say of a player: who has hit how often, and taken how many out, if the light has told it. */
+function notesOf({ left, life, shots, hits, kills }, coded) {
+  const end = left ? t("podium.left") : t("podium.life", { life: percent(life) });
+  return [end, coded && shots > 0 && t("podium.shots", { hits, shots }), coded && kills > 0 && t("podium.kills", { n: kills })].filter(Boolean);
+}
+
+function markOf({ team }) {
+  const mark = makeMark();
+  showMark(mark, team, true);
+  return mark;
 }

@@ -4,7 +4,8 @@ import * as dialogs from "./dialogs.js";
 import { element } from "./dom.js";
 import { podiumView } from "./podium.js";
 import { clockText } from "./state.js";
-import { t } from "./words.js";
+import { standings, teamName, teamsOf } from "./teams.js";
+import { list, percent, t } from "./words.js";
 
 /**
  * How it went for `name`. Pure.
@@ -12,26 +13,45 @@ import { t } from "./words.js";
  * @returns {{outcome: "win"|"draw"|"lose", title: string, text: string}}
  */
 export function outcomeOf(result, name) {
-  const { place } = result.find((entry) => entry.name === name);
+  const { place, team } = result.find((entry) => entry.name === name);
+  if (team > 0) return outcomeOfTeam(standings(result), name);
   const tied = result.some((entry) => entry.name !== name && entry.place === place);
   const outcome = place > 1 ? "lose" : tied ? "draw" : "win";
   return { outcome, title: t(`result.${outcome}`), text: t(tied ? "result.shared" : "result.place", { n: place }) };
 }
 
-/** What a player did in a battle, in words: see tally.js. */
-export function tallyTexts({ hits, shots, seconds }) {
-  return [
-    t("result.hits", { n: hits }),
-    t("result.shots", { n: shots }),
-    t("result.survived", { time: clockText(seconds) }),
-  ];
+function outcomeOfTeam(result, name) {
+  const { place, team } = result.find((entry) => entry.name === name);
+  const winners = teamsOf(result.filter((entry) => entry.place === 1 && !entry.left)).map(teamName);
+  const won = winners.length > 1 ? t("result.team_draw", { names: list(winners) }) : t("feed.team_win", { team: winners[0] });
+  const outcome = place > 1 ? "lose" : winners.length > 1 ? "draw" : "win";
+  const text = outcome === "lose" ? `${won} ${t("result.team_place", { team: teamName(team), n: place })}` : won;
+  return { outcome, title: t(`result.${outcome}`), text };
 }
 
 /**
- * Show it. The focus stays off the buttons: the player may still be hammering the keys.
+ * What a player did in a battle, in words.
+ * @param {{hits: number, shots: number, seconds: number}} tally what the page has counted: see tally.js
+ * @param {import("./messages.js").Player|null} told what the referee has counted, if the light tells who has shot
+ */
+export function tallyTexts({ hits, shots, seconds }, told = null) {
+  const given = told ? givenTexts(told) : [t("result.shots", { n: shots })];
+  return [t("result.hits", { n: hits }), ...given, t("result.survived", { time: clockText(seconds) })];
+}
+
+function givenTexts({ shots, hits, kills }) {
+  const fired = t("result.shots", { n: shots });
+  if (shots === 0) return [fired];
+  const accuracy = t("result.accuracy", { accuracy: percent((100 * hits) / shots) });
+  return [fired, t("result.given", { n: hits }), accuracy, t("result.kills", { n: kills })];
+}
+
+/**
+ * Show it, as the state at the battle's end tells it. The focus stays off the buttons: the player may still be hammering the keys.
  * @returns {Promise<""|"ok"|"give">} "ok": a rematch; "give": somebody else may have the seat
  */
-export function showResult(result, name, tally) {
+export function showResult({ result, coded }, name, tally) {
+  const told = coded ? result.find((entry) => entry.name === name) : null;
   const { outcome, title, text } = outcomeOf(result, name);
   return dialogs.show({
     kind: null,
@@ -39,8 +59,8 @@ export function showResult(result, name, tally) {
     title,
     text,
     body: [
-      podiumView(result, name),
-      element("ul", { className: "tally" }, ...tallyTexts(tally).map((line) => element("li", {}, line))),
+      podiumView(result, name, coded),
+      element("ul", { className: "tally" }, ...tallyTexts(tally, told).map((line) => element("li", {}, line))),
     ],
     ok: t("result.rematch"),
     cancel: t("result.stay"),

@@ -29,6 +29,8 @@ export const SOUNDS = Object.freeze({
   last: [tone("triangle", 0, 0.14, 0.5, still(880))],
   go: [tone("triangle", 0, 0.5, 0.4, still(1319)), tone("triangle", 0, 0.5, 0.3, still(1760)), noise(0, 0.12, 0.1, [6000, 2000])],
   shot: [tone("sawtooth", 0, 0.2, 0.28, [1700, 170], [5000, 700]), noise(0, 0.05, 0.14, [7000, 3000])],
+  given: [tone("triangle", 0, 0.12, 0.42, still(1568)), tone("triangle", 0.07, 0.2, 0.42, still(2093)), noise(0, 0.03, 0.2, [8000, 4000])],
+  kill: [...melody("square", [784, 1047, 1568], 0.08, 0.16, 0.2), noise(0, 0.35, 0.4, [2600, 300])],
   hit: [noise(0, 0.3, 0.6, [1800, 150]), tone("square", 0, 0.24, 0.24, [190, 55], [1500, 300])],
   out: [tone("sawtooth", 0, 1, 0.34, [420, 45], [2400, 200]), noise(0.05, 0.8, 0.4, [1400, 100])],
   win: melody("triangle", [523, 659, 784, 1047], 0.13, 0.3, 0.36),

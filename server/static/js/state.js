@@ -1,7 +1,9 @@
 // What the state of the battle means to one player: texts, icons, button. Pure.
 
+import { hitsOf, newHits } from "./hits.js";
 import { UNKNOWN_BATTLE } from "./messages.js";
 import { noticeText, saysBattleOver } from "./notice.js";
+import { teamName } from "./teams.js";
 import { t } from "./words.js";
 
 /** @typedef {import("./messages.js").Status} Status */
@@ -67,7 +69,7 @@ export function gameText(status, name, refusal = "") {
       return { text: t("game.countdown", { n }), hint: t("game.joinable_hint") };
     case "playing":
       if (refusal) return { text: t("game.refused"), hint: refusal };
-      return { text: t("game.playing"), hint: t("game.playing_hint") };
+      return { text: t("game.playing"), hint: playingHint(findUser(status, name)) };
     case "out":
       return { text: t("game.out"), hint: t("game.out_hint") };
     case "watching":
@@ -76,6 +78,8 @@ export function gameText(status, name, refusal = "") {
       return { text: t("game.looking"), hint: "" };
   }
 }
+
+const playingHint = ({ team }) => (team > 0 ? t("game.playing_team", { team: teamName(team) }) : t("game.playing_hint"));
 
 /** Why rosbridge refuses the commands of a player in a battle, for people. `reason` is rosbridge's. */
 export function refusalText(reason) {
@@ -98,6 +102,13 @@ export function readyButton(status, name) {
   const ready = findUser(status, name)?.ready ?? false;
   const useless = status.game === PLAYING || (status.game === COUNTDOWN && ready);
   return { ready, text: t(ready ? "game.is_ready" : "game.ready"), hidden: useless };
+}
+
+/** What a player may choose of the teams: null if there are none, or not now. */
+export function teamChoice(status, name) {
+  const me = findUser(status, name);
+  const mayChoose = status.teams > 0 && status.game !== PLAYING && !readyButton(status, name).hidden;
+  return me && mayChoose ? { teams: status.teams, own: me.team, users: status.users } : null;
 }
 
 /** How a player stands: the symbol and its meaning in words. */
@@ -129,12 +140,20 @@ export function hasEnded(previous, current, name) {
 export function announcement(previous, current, name) {
   const phase = phaseOf(current, name);
   if (!phase) return "";
+  const hits = hitsOf(newHits(previous, current), current, name);
+  const given = hits.given.map((hit) => (hit.life > 0 ? t("game.given", hit) : t("game.kill", hit)));
   if (!previous || phaseOf(previous, name) !== phase || previous.paused !== current.paused) {
     const { text, hint } = gameText(current, name);
-    return `${text} ${hint}`.trim();
+    const last = hits.taken.at(-1);
+    const end = last?.by && last.life === 0 ? t("game.out_by", { name: last.by }) : "";
+    return [...given, end, text, hint].filter(Boolean).join(" ");
   }
-  const lost = lifeLost(previous, current, name);
-  return lost > 0 ? t("game.hit", { life: findUser(current, name).life }) : "";
+  if (lifeLost(previous, current, name) > 0) given.push(hurtText(findUser(current, name).life, hits.taken.at(-1)?.by));
+  return given.join(" ");
+}
+
+function hurtText(life, by) {
+  return by ? `${t("game.hit_by", { name: by })} ${t("game.life", { life })}` : t("game.hit", { life });
 }
 
 /** Life that this player has lost between two states of one battle. */

@@ -3,6 +3,8 @@
 import { avatarUrl } from "./assets.js";
 import { element, icon, lifeBar, setLife, setPicture, setText } from "./dom.js";
 import * as state from "./state.js";
+import { makeMark, showMark } from "./team_view.js";
+import { byTeam } from "./teams.js";
 import { number, percent, t } from "./words.js";
 
 const byId = (id) => document.getElementById(id);
@@ -31,14 +33,15 @@ export function showStatus(status, name, refusal) {
   showClock(status);
   showReadyButton(state.readyButton(status, name));
   const me = state.findUser(status, name);
-  if (me) showOwnLife(me.life);
+  if (me) showOwn(me);
   const others = state.others(status, name);
   byId("nobody").hidden = others.length > 0;
   const waiting = byId("waiting");
   waiting.hidden = status.queue === 0;
   if (status.queue > 0) setText(waiting, t("home.queue", { n: status.queue }));
   showRows(byId("userList"), others, makeRival, (row, user) => fillRival(row, user, status.game));
-  showRows(byId("seats"), status.users, makeSeat, (seat, user) => fillSeat(seat, user, status.game, name));
+  markGroups(byId("userList"), status);
+  showRows(byId("seats"), byTeam(status.users), makeSeat, (seat, user) => fillSeat(seat, user, status.game, name));
 }
 
 function showClock(status) {
@@ -68,8 +71,10 @@ function showReadyButton({ ready, text, hidden }) {
   button.hidden = hidden;
 }
 
-function showOwnLife(life) {
+function showOwn({ life, team, weak }) {
   const box = byId("userLife");
+  showMark(byId("own-team"), team, true);
+  byId("own-weak").hidden = !weak;
   setText(box.querySelector(".life-value"), t("home.life", { life }));
   setLife(box.querySelector("[role=progressbar]"), life);
 }
@@ -87,12 +92,27 @@ function showRows(parent, users, make, fill) {
   if (!isSame) parent.replaceChildren(...wanted);
 }
 
+/** In a battle of teams, the first row of each stands a little off: the referee's order keeps teams together. */
+function markGroups(list, { game, teams }) {
+  const isOfTeams = teams > 0 && game === state.PLAYING;
+  [...list.children].forEach((row, index) => {
+    const before = list.children[index - 1];
+    row.classList.toggle("is-first", isOfTeams && index > 0 && before.dataset.team !== row.dataset.team);
+  });
+}
+
 function makeRival(name) {
   return element(
     "li",
     { className: "rival" },
     element("img", { alt: "", width: 36, height: 36 }),
-    element("strong", { className: "user-name" }, name),
+    element(
+      "span",
+      { className: "rival-name" },
+      makeMark(),
+      element("strong", { className: "user-name" }, name),
+      element("span", { className: "kills", hidden: true }),
+    ),
     element("span", { className: "badge" }),
     element("span", { className: "user-sign" }),
     lifeBar(t("home.life_of", { name })),
@@ -103,8 +123,19 @@ function fillRival(row, user, game) {
   setPicture(row.querySelector("img"), avatarUrl(user.avatar));
   const sign = setSign(row.querySelector(".user-sign"), user, game);
   row.classList.toggle("is-out", sign === "times");
+  row.dataset.team = user.team;
+  showMark(row.querySelector(".team-mark"), user.team);
+  showKills(row.querySelector(".kills"), game === state.PLAYING ? user.kills : 0);
   setText(row.querySelector(".badge"), percent(user.life));
   setLife(row.querySelector(".bar"), user.life);
+}
+
+function showKills(box, kills) {
+  box.hidden = kills === 0;
+  const meaning = t("home.kills", { n: kills });
+  if (box.title === meaning) return;
+  box.title = meaning;
+  box.replaceChildren(icon("hit"), element("b", { ariaHidden: "true" }, number(kills)), element("span", { className: "visually-hidden" }, meaning));
 }
 
 function makeSeat(name) {
@@ -113,6 +144,7 @@ function makeSeat(name) {
     { className: "seat" },
     element("img", { alt: "", width: 72, height: 72 }),
     element("strong", { className: "user-name" }, name),
+    makeMark(),
     element("span", { className: "user-sign" }),
   );
 }
@@ -120,6 +152,7 @@ function makeSeat(name) {
 function fillSeat(seat, user, game, name) {
   setPicture(seat.querySelector("img"), avatarUrl(user.avatar));
   setSign(seat.querySelector(".user-sign"), user, game);
+  showMark(seat.querySelector(".team-mark"), user.team);
   seat.classList.toggle("is-ready", user.ready);
   seat.classList.toggle("is-me", user.name === name);
 }

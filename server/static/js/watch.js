@@ -26,7 +26,7 @@ function take(current) {
   const news = feed.take(status, current);
   status = current;
   programme.take(current, news, performance.now());
-  if (news.some((change) => change.kind === "end")) view.showPodium(current.result);
+  if (news.some((change) => change.kind === "end")) view.showPodium(current);
   view.showStatus(current);
   view.announce(news.filter((change) => ANNOUNCED.has(change.kind)).map((change) => feedEntry(change).text).join(" "));
   arena?.show(arenaPlayers(current, null));

@@ -5,6 +5,8 @@ import { element, lifeBar, setLife, setPicture, setText } from "./dom.js";
 import { leadersView } from "./leaders.js";
 import { podiumView } from "./podium.js";
 import { clockText, COUNTDOWN, PLAYING, STOPPED } from "./state.js";
+import { makeMark, showMark } from "./team_view.js";
+import { byTeam, teamsOf } from "./teams.js";
 import { list, percent, t } from "./words.js";
 
 const QUEUE = 8; // names shown
@@ -29,11 +31,13 @@ export function showStatus(status) {
   showFree(status.free);
 }
 
-function headline({ game, paused, users }) {
+function headline({ game, paused, users, teams }) {
   if (paused && game !== STOPPED) return t("watch.paused");
   if (game === COUNTDOWN) return t("watch.countdown");
   const ready = users.filter((user) => user.ready);
-  if (game === PLAYING) return t("watch.alive", { n: ready.filter((user) => user.life > 0).length });
+  const alive = ready.filter((user) => user.life > 0);
+  if (game === PLAYING && teams > 0) return t("watch.alive_teams", { n: teamsOf(alive).length });
+  if (game === PLAYING) return t("watch.alive", { n: alive.length });
   return ready.length === 0 ? t("watch.idle_none") : t("watch.idle", { n: ready.length });
 }
 
@@ -61,9 +65,11 @@ function showPlayers({ users, game }) {
   shown.dataset.size = users.length <= FEW ? "few" : users.length <= MANY ? "many" : "crowd";
   byId("nobody").hidden = users.length > 0;
   const rows = new Map([...shown.children].map((row) => [row.dataset.name, row]));
-  const wanted = users.map((user) => {
+  const ordered = game === PLAYING ? users : byTeam(users); // in a battle the referee's order keeps teams together
+  const wanted = ordered.map((user, index) => {
     const row = rows.get(user.name) ?? makeRow(user.name);
     fillRow(row, user, game);
+    row.classList.toggle("is-first", index > 0 && ordered[index - 1].team !== user.team);
     return row;
   });
   const isOther = wanted.length !== shown.children.length || wanted.some((row, index) => shown.children[index] !== row);
@@ -75,7 +81,7 @@ function makeRow(name) {
     "li",
     { className: "watch-player" },
     element("img", { alt: "", width: 64, height: 64 }),
-    element("strong", { className: "watch-name" }, name),
+    element("span", { className: "watch-who" }, makeMark(), element("strong", { className: "watch-name" }, name)),
     element("span", { className: "watch-robot" }),
     element("span", { className: "watch-life" }),
     lifeBar(t("watch.life_of", { name })),
@@ -88,7 +94,11 @@ function fillRow(row, user, game) {
   setPicture(row.querySelector("img"), avatarUrl(user.avatar));
   const { state, text } = standing(user, game);
   row.dataset.state = state;
-  setText(row.querySelector(".watch-robot"), t("watch.robot", { n: user.robot }));
+  row.dataset.team = user.team;
+  showMark(row.querySelector(".team-mark"), user.team);
+  const robot = t("watch.robot", { n: user.robot });
+  const kills = game === PLAYING && user.kills > 0 ? `, ${t("podium.kills", { n: user.kills })}` : "";
+  setText(row.querySelector(".watch-robot"), robot + kills);
   setText(row.querySelector(".watch-life"), text);
   const bar = row.querySelector(".bar");
   bar.hidden = game !== PLAYING || !user.ready;
@@ -124,8 +134,8 @@ export function showPanel(panel) {
   byId("podium").hidden = panel !== "podium";
 }
 
-/** @param {import("./messages.js").Player[]} result */
-export const showPodium = (result) => byId("podium-view").replaceChildren(podiumView(result, null));
+/** @param {import("./messages.js").Status} status at the end of a battle */
+export const showPodium = ({ result, coded }) => byId("podium-view").replaceChildren(podiumView(result, null, coded));
 
 /** @param {import("./leaders.js").Leader[]} players */
 export const showLeaders = (players) => byId("leaders-table").replaceChildren(leadersView(players));

@@ -6,7 +6,7 @@ import { feedEntry } from "../../../server/static/js/feed_words.js";
 import { fromReply } from "../../../server/static/js/messages.js";
 import { COUNTDOWN, PLAYING, STOPPED } from "../../../server/static/js/state.js";
 import { setWords } from "../../../server/static/js/words.js";
-import { player, status } from "./samples.js";
+import { hit, player, status } from "./samples.js";
 
 const fighters = (...lives) => lives.map((life, index) => player(["Al", "Bo", "Cy"][index], { ready: true, life, robot: index }));
 const placings = (...lives) =>
@@ -27,7 +27,7 @@ test("who comes, gets ready, changes the mind and goes is told", () => {
   const empty = status();
   const here = status({ users: [player("Al", { avatar: 3, robot: 2 })] });
   const ready = status({ users: [player("Al", { avatar: 3, robot: 2, ready: true })] });
-  assert.deepEqual(changes(empty, here), [{ kind: "joined", name: "Al", avatar: 3, life: 100, robot: 2, winners: [] }]);
+  assert.deepEqual(changes(empty, here), [{ kind: "joined", name: "Al", avatar: 3, life: 100, robot: 2, by: null, winners: [], teams: [] }]);
   assert.deepEqual(told(here, ready), ["ready Al"]);
   assert.deepEqual(told(ready, here), ["unready Al"]);
   assert.deepEqual(told(here, empty), ["left Al"]);
@@ -94,16 +94,64 @@ test("each change has words in each language", () => {
     const words = JSON.parse(readFileSync(new URL(`../../../server/static/words/${language}.json`, import.meta.url)));
     setWords(words, language);
     for (const kind of kinds) {
-      const { text, avatar } = feedEntry({ kind, name: user.name, avatar: user.avatar, life: user.life, winners: [] });
-      assert.equal(avatar, 2);
+      const { text, avatar, victim } = feedEntry({ kind, name: user.name, avatar: user.avatar, life: user.life, by: null, winners: [], teams: [] });
+      assert.deepEqual([avatar, victim], [2, null]);
       assert.doesNotMatch(text, /[{}]|undefined/);
     }
-    const hit = feedEntry({ kind: "hit", name: "Al", avatar: 2, life: 40, winners: [] });
-    assert.match(hit.text, /Al.*40\s?%/u);
-    assert.equal(hit.tone, "hit");
-    const end = (...winners) => feedEntry({ kind: "end", name: "", avatar: null, life: null, winners }).text;
+    const hurt = { name: "Al", avatar: 2, life: 40, by: null, winners: [], teams: [] };
+    assert.match(feedEntry({ kind: "hit", ...hurt }).text, /Al.*40\s?%/u);
+    assert.equal(feedEntry({ kind: "hit", ...hurt }).tone, "hit");
+    for (const kind of ["hit", "out"]) {
+      const { text, avatar, victim } = feedEntry({ kind, ...hurt, by: { name: "Bo", avatar: 4 } });
+      assert.match(text, /Bo.*Al/);
+      assert.doesNotMatch(text, /[{}]/);
+      assert.deepEqual([avatar, victim], [4, 2]);
+    }
+    const ended = (values) => feedEntry({ kind: "end", name: "", avatar: null, life: null, by: null, winners: [], teams: [], ...values }).text;
+    const end = (...winners) => ended({ winners });
+    assert.match(ended({ winners: ["Al", "Bo"], teams: [2] }), new RegExp(words.teams.team2));
+    assert.match(ended({ winners: ["Al", "Bo"], teams: [2, 4] }), new RegExp(`${words.teams.team2}.*${words.teams.team4}`));
     assert.match(end("Al"), /Al/);
     assert.match(end("Al", "Bo"), /Al.*Bo/);
     assert.equal(new Set([end(), end("Al"), end("Al", "Bo")]).size, 3);
   }
+});
+
+/** "by kind name life" of each change. */
+const toldBy = (previous, current) =>
+  changes(previous, current).map(({ kind, name, life, by }) => [by?.name, kind, name, life].filter((word) => word !== undefined && word !== null && word !== "").join(" "));
+
+test("where the referee tells who has shot, the feed does, with both pictures", () => {
+  const users = (life) => [player("Al", { ready: true, avatar: 3 }), player("Bo", { ready: true, robot: 1, avatar: 1, life })];
+  const before = status({ game: PLAYING, battle: 4, users: users(100), events: [] });
+  const after = status({ game: PLAYING, battle: 4, users: users(80), events: [hit(7, "Al", "Bo", 90), hit(8, "Al", "Bo", 80)] });
+  assert.deepEqual(toldBy(before, after), ["Al hit Bo 90", "Al hit Bo 80"]);
+  const [first] = changes(before, after);
+  assert.deepEqual([first.avatar, first.robot, first.by], [1, 1, { name: "Al", avatar: 3 }]);
+  assert.deepEqual(changes(after, after), []);
+});
+
+test("a hit of which the light does not tell the shooter is told as before", () => {
+  const after = battle([100, 90], { events: [hit(7, "", "Bo", 90)] });
+  assert.deepEqual(toldBy(battle([100, 100], { events: [] }), after), ["hit Bo 90"]);
+});
+
+test("more hits than the state can hold are told by what is left of the lives", () => {
+  const events = [hit(20, "Al", "Bo", 10), hit(21, "Al", "Bo", 0)];
+  assert.deepEqual(toldBy(battle([100, 100, 100], { events: [] }), battle([100, 0, 40], { events })), ["Al hit Bo 10", "Al out Bo 0", "hit Cy 40"]);
+});
+
+test("who was shot and has left the page is told once, and so is the end", () => {
+  const events = [hit(3, "Al", "Bo", 0)];
+  const before = battle([100, 10], { events: [] });
+  const over = status({ battle: 4, users: [player("Al")], result: placings(100, 0), events });
+  assert.deepEqual(toldBy(before, over), ["left Bo 10", "Al out Bo 0", "end"]);
+  assert.deepEqual(toldBy(over, { ...over }), []);
+});
+
+test("the end of a battle of teams names the teams that have won", () => {
+  const team = (name, number, place) => player(name, { team: number, place });
+  const end = (...result) => changes(battle([100, 100]), status({ battle: 4, users: fighters(), result, teams: 2 })).at(-1);
+  assert.deepEqual(end(team("Al", 2, 1), team("Cy", 2, 1), team("Bo", 1, 3)).teams, [2]);
+  assert.deepEqual(end(team("Al", 2, 1), team("Bo", 1, 1)).teams, [2, 1]);
 });

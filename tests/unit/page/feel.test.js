@@ -3,7 +3,7 @@ import { beforeEach, test } from "node:test";
 import { Feel, isLow, moments } from "../../../server/static/js/feel.js";
 import { shakeFrames } from "../../../server/static/js/jolt.js";
 import { SOUNDS } from "../../../server/static/js/sound.js";
-import { player, status } from "./samples.js";
+import { hit, player, status } from "./samples.js";
 
 const me = (values = {}) => player("Ann", { ready: true, ...values });
 const other = (values = {}) => player("Bob", { ready: true, robot: 1, ...values });
@@ -64,6 +64,17 @@ test("life lost is a hit, the last of it is the end of the robot", () => {
 test("another player's hit is not felt", () => {
   const hurt = status({ game: 2, battle: 1, users: [me(), other({ life: 40 })] });
   assert.deepEqual(happened(playing(100), hurt), []);
+});
+
+test("a shot of this player's that has met somebody is felt, and one that took the last life more", () => {
+  const fight = (life, events) => status({ game: 2, battle: 1, users: [me(), other({ life })], events });
+  const first = fight(90, [hit(1, "Ann", "Bob", 90)]);
+  assert.deepEqual(happened(fight(100, []), first), ["given"]);
+  assert.deepEqual(happened(first, fight(0, [...first.events, hit(2, "Ann", "Bob", 0)])), ["kill"]);
+  assert.deepEqual(happened(first, first), []);
+  assert.deepEqual(taken(fight(100, []), first), ["play given", "vibrate 35"]);
+  assert.deepEqual(happened(fight(100, []), fight(90, [hit(1, "", "Bob", 90)])), [], "the light does not tell whose it was");
+  assert.ok("given" in SOUNDS && "kill" in SOUNDS);
 });
 
 test("the end is a victory for the first, also for those who share that place, and a defeat for all others", () => {

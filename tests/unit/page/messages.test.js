@@ -17,20 +17,35 @@ test("a message of the topic keeps what it says", () => {
 test("a reply's users are JSON in JSON, ready is a number there", () => {
   const status = fromReply(reply({ game: 1, timeLeft: 9, users: al }), null);
   assert.deepEqual([status.game, status.timeLeft], [1, 9]);
-  assert.deepEqual(status.users, [{ name: "al", robot: 3, life: 70, ready: true, avatar: 0, place: 0, seat_left: 0, left: false }]);
+  const unknown = { avatar: 0, place: 0, seat_left: 0, left: false, team: 0, shots: 0, hits: 0, kills: 0, weak: false };
+  assert.deepEqual(status.users, [{ name: "al", robot: 3, life: 70, ready: true, ...unknown }]);
   assert.deepEqual(fromReply(reply(), null).users, []);
 });
 
 test("what a reply does not know stays as it was", () => {
   const values = { battle: 7, notice: "n", paused: true, message: "m" };
-  const before = fromTopic(message({ ...values, users: [player("al", { avatar: 4 })], result: [player("al")] }));
+  const before = fromTopic(message({ ...values, teams: 2, coded: true, users: [player("al", { avatar: 4, team: 2, weak: true })], result: [player("al")] }));
   const status = fromReply(reply({ users: al }), before);
   assert.deepEqual([status.battle, status.notice, status.users[0].avatar, status.result.length], [7, "n", 4, 1]);
   assert.deepEqual([status.paused, status.message], [true, "m"]);
+  assert.deepEqual([status.teams, status.coded, status.users[0].team, status.users[0].weak], [2, true, 2, true]);
   assert.equal(fromReply(reply(), null).battle, UNKNOWN_BATTLE);
 });
 
 test("an old result is gone when the next countdown runs", () => {
   const before = fromTopic(message({ result: [player("al")] }));
   assert.deepEqual(fromReply(reply({ game: 1 }), before).result, []);
+});
+
+test("a server that knows neither teams nor shooters has none", () => {
+  const { name, robot, life, ready, avatar } = player("al");
+  const old = fromTopic({ ...message(), users: [{ name, robot, life, ready, avatar }] });
+  assert.deepEqual([old.teams, old.coded, old.events, old.users[0].team, old.users[0].weak], [0, false, null, 0, false]);
+});
+
+test("only the topic tells hits: a reply does not know whether there were more", () => {
+  const events = [{ number: 3, kind: 0, name: "al", by: "bo", life: 70 }];
+  const before = fromTopic(message({ events }));
+  assert.deepEqual(before.events, events);
+  assert.equal(fromReply(reply(), before).events, null);
 });

@@ -11,8 +11,14 @@ test("the arena hears who drives which robot, with which picture", () => {
   assert.deepEqual(shown(1, { robot: 3, ready: true }), {
     me: "Ann",
     phase: "countdown",
-    players: [{ name: "Ann", robot: 3, life: 100, ready: true, out: false, avatar: "/static/avatar0-12AB34CD.svg" }],
+    players: [{ name: "Ann", robot: 3, life: 100, ready: true, out: false, avatar: "/static/avatar0-12AB34CD.svg", colour: null }],
   });
+});
+
+test("a team's robots have its colour in the arena", () => {
+  const colours = [1, 2, 3, 4, 1].map((team) => shown(2, { team, ready: true }).players[0].colour);
+  assert.ok(colours.every((colour) => /^#[0-9a-f]{6}$/.test(colour)));
+  assert.equal(new Set(colours).size, 4);
 });
 
 test("only who has fought is out", () => {

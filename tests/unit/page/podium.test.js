@@ -34,3 +34,8 @@ test("who left early stands on no step, but is told", () => {
 test("without a result there is nothing to stand on", () => {
   assert.deepEqual(told([]), [{}, ""]);
 });
+
+test("teams stand on the steps as one, and the next team is on the next step", () => {
+  const teams = [1, 1, 1, 4, 4, 6].map((place, index) => player(`P${index}`, { place, team: [2, 2, 2, 1, 1, 3][index] }));
+  assert.deepEqual(told(teams), [{ gold: "P0 P1 P2", silver: "P3 P4", bronze: "P5" }, ""]);
+});

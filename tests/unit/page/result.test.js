@@ -42,3 +42,11 @@ test("what a player did is counted from battle to battle", () => {
 test("it is said in the right number", () => {
   assert.deepEqual(tallyTexts({ hits: 1, shots: 12, seconds: 65 }), ["1 hit taken", "12 shots fired", "1:05 in the battle"]);
 });
+
+test("where the light tells who has shot, the referee's count is told", () => {
+  const tally = { hits: 1, shots: 12, seconds: 65 };
+  assert.deepEqual(tallyTexts(tally, player("Ann", { shots: 9, hits: 3, kills: 1 })), [
+    "1 hit taken", "9 shots fired", "3 of them hit", "accuracy 33%", "1 robot taken out", "1:05 in the battle",
+  ]);
+  assert.deepEqual(tallyTexts(tally, player("Ann")), ["1 hit taken", "0 shots fired", "1:05 in the battle"]);
+});

@@ -12,7 +12,8 @@ export function speak(language) {
 speak("en");
 
 export const player = (name, values = {}) => ({
-  name, robot: 0, life: 100, ready: false, avatar: 0, place: 0, seat_left: 0, left: false, session: "", ...values,
+  name, robot: 0, life: 100, ready: false, avatar: 0, place: 0, seat_left: 0, left: false, session: "",
+  team: 0, shots: 0, hits: 0, kills: 0, weak: false, ...values,
 });
 
 /** A laser_bot_battle/GameStatus as rosbridge writes it. */
@@ -20,5 +21,8 @@ export const message = (values = {}) => ({
   game: 0, time_left: 0, battle: 0, notice: "", paused: false, message: "", available_robots: 0, practice: false, queue: [],
   users: [], result: [], ...values,
 });
+
+/** A laser_bot_battle/GameEvent: `by` has left the one who was hit that `life`. */
+export const hit = (number, by, name, life) => ({ number, kind: Number(life === 0), name, by, life });
 
 export const status = (values) => fromTopic(message(values));

@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { fromReply } from "../../../server/static/js/messages.js";
 import * as state from "../../../server/static/js/state.js";
-import { player, status } from "./samples.js";
+import { hit, player, status } from "./samples.js";
 
 const ready = { ready: true };
 const text = (values, me) => state.gameText(status({ ...values, users: [player("Ann", me), player("Bob", ready)] }), "Ann");
@@ -205,4 +205,19 @@ test("where practice is allowed, one may drive without a battle, but not in a co
   const drives = (values) => state.mayDrive(status({ practice: true, users: [player("al", { ready: true, life: 0 })], ...values }), "al");
   assert.deepEqual([drives({ game: 0 }), drives({ game: 1 }), drives({ game: 2 })], [true, false, false]);
   assert.equal(state.mayDrive(status({ practice: true }), "al"), false);
+});
+
+test("screen readers hear who has hit whom, as far as the light tells", () => {
+  const fight = (ann, bob, events) => status({ game: 2, battle: 1, users: [player("Ann", { ready: true, life: ann }), player("Bob", { ready: true, life: bob })], events });
+  const said = (...states) => state.announcement(...states, "Ann");
+  const start = fight(100, 100, []);
+  assert.equal(said(start, fight(90, 100, [hit(1, "Bob", "Ann", 90)])), "Hit by Bob! Life 90 percent.");
+  assert.equal(said(start, fight(90, 100, [hit(1, "", "Ann", 90)])), "Hit! Life 90 percent.");
+  assert.equal(said(start, fight(100, 80, [hit(1, "Ann", "Bob", 80)])), "You hit Bob: 80 percent left.");
+  assert.equal(said(start, fight(100, 0, [hit(1, "Ann", "Bob", 0)])), "Bob is out!");
+  assert.match(said(start, fight(0, 100, [hit(1, "Bob", "Ann", 0)])), /^Bob took you out! You are out: watch/);
+});
+
+test("who fights for a team reads for which one", () => {
+  assert.equal(text({ game: 2, teams: 2 }, { ready: true, team: 2 }).hint, "You fight for team Blue: hit the others, dodge their lasers.");
 });

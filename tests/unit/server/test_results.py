@@ -400,6 +400,7 @@ def test_who_shot_whom_kills_and_accuracy_are_told(told, browser):
     ]
     shown = browser.get("/results/1")
     assert "was hit by ada" in shown.text
+    assert "team Red" in shown.text
     assert "50%" in shown.text
     assert [(one["name"], one["by"]) for one in browser.get("/results/1.json").json["timeline"]] == [
         ("bob", "ada"),

@@ -1,0 +1,143 @@
+"""Teams, and light that tells who has shot, in real browsers: the robots' reports come from a ROS node of the tests."""
+
+import contextlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, Page, expect
+
+from tests.browser.axe import violations
+from tests.browser.people import Person
+from tests.support.battle import Battle
+from tests.support.player import Player
+from tests.support.programs import Program
+
+CODED = {"LASERBOT_LIGHT": "coded", "LASERBOT_COUNTDOWN": "3", "LASERBOT_HIT_DAMAGE": "50"}
+
+
+@pytest.fixture
+def people(chromium: Browser) -> Iterator[Callable[[Battle], tuple[Person, Person]]]:
+    """Ann on robot 0 and Bob on robot 1."""
+    here: list[Person] = []
+
+    def come(battle: Battle) -> tuple[Person, Person]:
+        for robot, name in enumerate(("Ann", "Bob")):
+            here.append(Person(chromium, battle, name))
+            here[-1].log_in()
+            assert here[-1].robot == robot
+        return here[0], here[1]
+
+    yield come
+    for person in here:
+        person.context.close()
+        assert person.complaints == []
+
+
+@contextlib.contextmanager
+def node(battle: Battle, *words: str) -> Iterator[None]:
+    """A ROS node beside those of the battle's robots: see tests/integration/server/peers.py."""
+    ros = {
+        "ROS_MASTER_URI": f"http://127.0.0.1:{battle.ports['LASERBOT_ROS_PORT']}",
+        "ROS_IP": "127.0.0.1",
+        "ROS_HOSTNAME": "127.0.0.1",
+    }
+    program = Program.python("tests.integration.server.peers", *words, env=ros)
+    try:
+        yield
+    finally:
+        program.stop()
+
+
+def play(*people: Person) -> None:
+    for person in people:
+        person.page.locator("#ready-btn").click()
+    for person in people:
+        expect(person.page.locator("#game-status")).to_have_text("PLAY!")
+
+
+def shown(page: Page, selector: str) -> str:
+    """The text of what is shown for a moment only, taken at sight."""
+    seen = page.wait_for_function(
+        "shown => document.querySelector(shown)?.textContent", arg=f"{selector}:not([hidden])"
+    )
+    return " ".join(str(seen.json_value()).split())
+
+
+@pytest.mark.timeout(600)  # its own deadlines are for a busy machine
+def test_shooter_and_victim_see_whose_hit_it_was(
+    people: Callable[[Battle], tuple[Person, Person]], screenshots: Path
+) -> None:
+    with Battle(robots=2, bots=0, **CODED) as battle:
+        ann, bob = people(battle)
+        play(ann, bob)
+        with node(battle, "light", "shot:0", "hit:1:0"):
+            assert shown(ann.page, "#hit-mark") == "+1Bob"
+            ann.page.screenshot(path=screenshots / "hit.png")
+            assert shown(bob.page, "#hit-note") == "Hit by Ann!"
+            for person in (ann, bob):
+                entry = person.page.locator("#feed li").first
+                expect(entry).to_have_text("Ann hits Bob: 50%")
+                expect(entry.locator("img:visible")).to_have_count(2)
+            expect(ann.page.locator("#announcer")).to_have_text("You hit Bob: 50 percent left.")
+            expect(bob.page.locator("#announcer")).to_have_text("Hit by Ann! Life 50 percent.")
+        with node(
+            battle, "light", "hit:1:0", "shot:0", "shot:0", "hit:1:0"
+        ):  # the first is nobody's: no shot is under way
+            assert shown(ann.page, "#hit-mark[data-kind=kill]") == "+1Bob is out!"
+        expect(ann.page.locator("#feed")).to_contain_text("Ann takes Bob out!")
+        result = ann.page.locator("dialog[open]")
+        for text in ("YOU WIN!", "3 shots fired", "2 of them hit", "accuracy 67%", "1 robot taken out"):
+            expect(result).to_contain_text(text)
+        expect(bob.page.locator("dialog[open]")).to_contain_text("0 shots fired")
+        assert violations(ann.page) == []
+
+
+@pytest.mark.timeout(600)
+def test_who_drives_a_weak_robot_is_told(people: Callable[[Battle], tuple[Person, Person]]) -> None:
+    with Battle(robots=2) as battle:
+        ann, bob = people(battle)
+        expect(ann.page.locator("#own-weak")).to_be_hidden()
+        with node(battle, "board", str(ann.robot), "4300"):
+            expect(ann.page.locator("#own-weak")).to_have_text("Battery low: tell the operator")
+            expect(ann.page.locator("#own-weak")).to_be_visible()
+            assert violations(ann.page) == []
+            expect(bob.page.locator("#own-weak")).to_be_hidden()
+
+
+@pytest.mark.timeout(600)
+def test_teams_are_chosen_fight_and_win(
+    people: Callable[[Battle], tuple[Person, Person]], chromium: Browser, screenshots: Path
+) -> None:
+    with Battle(robots=3, bots=0, LASERBOT_TEAMS="2", **CODED) as battle:
+        ann, bob = people(battle)
+        with Player(battle, "Dora") as dora:
+            watch = chromium.new_page()
+            watch.goto(f"{battle.web}/watch")
+            ann.page.locator(".team-button[data-team='1']").click()
+            bob.page.locator(".team-button[data-team='2']").focus()
+            bob.page.keyboard.press("Enter")
+            for person, team in ((ann, "1"), (bob, "2")):
+                expect(person.page.locator(".team-button[aria-pressed=true]")).to_have_attribute("data-team", team)
+            expect(ann.page.locator(".seat[data-name=Bob]")).to_contain_text("Blue")
+            expect(watch.locator("[data-name=Bob]")).to_contain_text("Blue")
+            ann.page.screenshot(path=screenshots / "teams-lobby.png")
+            assert violations(ann.page) == []
+            assert dora.ready() == "OK"  # she leaves her team to the referee
+            play(ann, bob)
+            expect(ann.page.locator("#own-team")).to_have_text("Red")
+            expect(ann.page.locator("#game-hint")).to_contain_text("You fight for team Red")
+            expect(bob.page.locator("#own-team")).to_have_text("Blue")
+            expect(ann.page.locator(".rival").first).to_contain_text("Dora")
+            expect(ann.page.locator(".rival").first).to_contain_text("Red")
+            expect(ann.page.locator(".rival.is-first")).to_contain_text("Blue")
+            expect(watch.locator("#headline")).to_have_text("2 teams are still standing")
+            ann.page.screenshot(path=screenshots / "teams.png")
+            assert violations(ann.page) == []
+            with node(battle, "light", "shot:0", "hit:1:0", "shot:0", "hit:1:0"):
+                expect(watch.locator("#feed li").first).to_have_text("Team Red wins!")
+            expect(watch.locator("[data-metal=gold]")).to_contain_text("Dora")
+            expect(ann.page.locator("dialog[open]")).to_contain_text("YOU WIN!")
+            expect(bob.page.locator("dialog[open]")).to_contain_text("Team Red wins! Your team Blue is number 2.")
+            assert violations(bob.page) == []
+            watch.close()
