@@ -114,9 +114,7 @@ TEAMS: Variable[int] = Variable(
     "LASERBOT_TEAMS", 0, "teams that fight, 2 to 4; 0: everybody fights alone", _teams, "0", lowest=0, highest=4
 )
 FRIENDLY_FIRE = flag("LASERBOT_FRIENDLY_FIRE", "1: shots of the own team count, too")
-LIGHT_DAMAGE = flag(
-    "LASERBOT_LIGHT_DAMAGE", "1: a hit by coded light takes what its code says, not `LASERBOT_HIT_DAMAGE`"
-)
+LIGHT_DAMAGE = flag("LASERBOT_LIGHT_DAMAGE", "1: a hit by coded light takes what its code says, not the usual damage")
 COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
 BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then the most life wins")
 PLAYER_TIMEOUT = number(

@@ -159,7 +159,8 @@ function valueText(value) {
  */
 export function ruleText({ default: standard, min, max, text }) {
   const range = min === null ? "" : `${t("desk.rule_range", { min, max })} `;
-  const meaning = text.replace(/^1: /, ""); // an environment's flag is 0 or 1, the desk's a box
+  // an environment's flag is 0 or 1, the desk's a box; the server's text is Markdown
+  const meaning = text.replace(/^1: /, "").replaceAll("`", "");
   return { meaning: `${sentence(meaning)}.`, bounds: `${range}${t("desk.rule_default", { value: valueText(standard) })}` };
 }
 

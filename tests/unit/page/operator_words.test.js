@@ -64,6 +64,7 @@ test("a rule is named, explained and bounded", () => {
   assert.deepEqual(words.ruleText(rule()), { meaning: "Life (of 100) that a hit takes.", bounds: "From 1 to 100. Default: 10." });
   const flag = rule({ default: false, min: null, max: null, text: "1: all may" });
   assert.deepEqual(words.ruleText(flag), { meaning: "All may.", bounds: "Default: off." });
+  assert.equal(words.ruleText(rule({ text: "what a shot is: `plain`, `coded`" })).meaning, "What a shot is: plain, coded.");
 });
 
 test("only the rules that differ are sent", () => {
