@@ -370,7 +370,7 @@ def test_the_sound_stays_off_over_a_reload(page: Page) -> None:
 
 def test_each_sound_is_heard_and_none_is_too_loud(page: Page) -> None:
     loudness = page.evaluate("game.loudness()")
-    assert len(loudness) == 10
+    assert len(loudness) == 12
     for name, loud in loudness.items():
         assert 0.1 < loud["peak"] <= 1, f"{name}: {loud}"
         assert loud["average"] > 0.01, f"{name}: {loud}"
