@@ -13,10 +13,10 @@ from functools import partial
 from operator import itemgetter
 from typing import Any
 
+from laser_bot_battle.light import DAMAGES
 from laser_bot_battle.names import Game
 from server.game import desk, events, seats
 from server.game.events import Event, Recorded
-from server.game.light import DAMAGES
 from server.game.overview import overview
 from server.game.robot import Robot
 from server.game.rules import Rules

@@ -7,9 +7,10 @@ from functools import partial
 import rospy
 from std_msgs.msg import Empty
 
+from laser_bot_battle.light import COOLDOWN
 from laser_bot_battle.msg import Setup
 from laser_bot_battle.names import identify_topic, setup_topic
-from server.game.light import COOLDOWN, damage_code
+from server.game.light import damage_code
 from server.game.snapshot import Snapshot
 from server.ros.robot_topics import Endpoint, RobotTopics
 
