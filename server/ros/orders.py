@@ -34,9 +34,9 @@ class Orders(RobotTopics):
     def identify(self, robot_id: int) -> bool:
         """Whether there is somebody on the robot who can be asked to wiggle and flash. From any thread."""
         topics = self._opened.get(robot_id)
-        if topics is None or not topics[1].endpoint.get_num_connections():
+        if topics is None or not topics[1].is_connected():
             return False
-        topics[1].endpoint.publish(Empty())
+        topics[1].tell(Empty())
         return True
 
     def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
@@ -52,7 +52,7 @@ class Orders(RobotTopics):
         for robot_id, topics in self._opened.items():
             setup = wanted.get(robot_id)
             if setup is not None and setup != self._told.get(robot_id):
-                topics[0].endpoint.publish(setup)
+                topics[0].tell(setup)
                 self._told[robot_id] = setup
 
 
