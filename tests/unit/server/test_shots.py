@@ -270,6 +270,18 @@ def test_counts_and_happenings_outlive_the_program(coded):
     assert (score(coded, "bob"), coded.state.happened) == before
 
 
+def test_what_only_a_newer_program_saves_is_left_out(match):
+    match.start("ada", "bob")
+    match.hit("bob", 10)
+    saved = match.referee.saved(match.now)
+    before = match.state.result, match.state.happened
+    for one in (saved, *saved["users"], *saved["result"], *saved["happened"]):
+        one["of_tomorrow"] = 1
+    match.restart(saved=saved)
+    assert (match.state.result, match.state.happened) == before
+    assert len(before[0]) == 2
+
+
 def test_what_an_older_program_has_saved_and_recorded_is_read(match):
     match.start("ada", "bob")
     match.hit("bob")
