@@ -77,7 +77,7 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
     positions = PositionsListener(database.keep_piece)
     links = Links(game, Master(settings.node.master_uri, SERVER_NODE))
     game.add_listener(StatusPublisher(health).publish)
-    for robots in (hits, orders, reports):
+    for robots in (hits, orders, reports, health):
         game.add_listener(robots.follow)
     game.add_listener(links.follow)
     game.add_listener(positions.follow)

@@ -2,15 +2,12 @@
 
 from dataclasses import dataclass, field
 
-COOLDOWN = 0.5  # s from the start of one shot to the next, at least
+from laser_bot_battle.light import COOLDOWN, DAMAGES
+
 PULSE = 0.5  # s that the plain light of a shot lasts
-PACKET = 0.03  # s that a coded shot lasts
 # s that a report of a hit may take longer than the news of its shot: the way over radio, robot and serial line
 DELAY = 0.3
-_EARLY = 0.1  # s that the network may take longer for one shot's news than for the next one's
-
-# what MilesTag II's codes 0 to 15 take
-DAMAGES = (1, 2, 4, 5, 7, 10, 15, 17, 20, 25, 30, 35, 40, 50, 75, 100)
+_EARLY = 0.3  # s that one shot's news may be on its way longer than the next one's; rosbridge has kept the cooldown
 
 
 def damage_code(damage: int) -> int:
@@ -28,7 +25,7 @@ class Shot:
     met: set[int] = field(default_factory=set)  # robots: each is hit once at most
 
     def is_under_way(self, now: float, lasts: float) -> bool:
-        """Whether its light, which lasts so long, may be what a robot reports now."""
+        """Whether its light, which is over so long after the news, may be what a robot reports now."""
         return now - self.at <= lasts + DELAY
 
 

@@ -13,10 +13,10 @@ from functools import partial
 from operator import itemgetter
 from typing import Any
 
+from laser_bot_battle.light import DAMAGES
 from laser_bot_battle.names import Game
-from server.game import desk, events, seats
+from server.game import desk, events, seats, shown
 from server.game.events import Event, Recorded
-from server.game.light import DAMAGES
 from server.game.overview import overview
 from server.game.robot import Robot
 from server.game.rules import Rules
@@ -170,7 +170,9 @@ class Referee:
         if known is not None:
             if known.session != old_session:
                 return Verdict.NAME_TAKEN, None
-            return (Verdict.OK if isinstance(known, User) else Verdict.QUEUED), self._public(known, now)
+            return (Verdict.OK if isinstance(known, User) else Verdict.QUEUED), shown.person(
+                known, self._state, self._rules, now
+            )
         if any(is_same_name(name, banned) for banned in self._state.banned):
             return Verdict.NAME_BANNED, None
         if any(contains_word(name, word) for word in self._state.words):
@@ -189,7 +191,9 @@ class Referee:
         self._settle_seats(now)
         claimed = self._named(name)
         assert claimed is not None
-        return (Verdict.OK if isinstance(claimed, User) else Verdict.QUEUED), self._public(claimed, now)
+        return (Verdict.OK if isinstance(claimed, User) else Verdict.QUEUED), shown.person(
+            claimed, self._state, self._rules, now
+        )
 
     def take_offer(self, session: str, now: float) -> tuple[Verdict, Player | None]:
         """Take the robot that is offered: OK and the player, or NO_OFFER, UNKNOWN_USER."""
@@ -201,7 +205,7 @@ class Referee:
             if known.offer is None:
                 return Verdict.NO_OFFER, None
             self._decide(events.Seated(known.name), now)
-        return Verdict.OK, self._player(self._state.users.user(known.name), now)
+        return Verdict.OK, shown.player(self._state.users.user(known.name), self._state, self._rules, now)
 
     def sign_out(self, name: str, session: str, now: float) -> Verdict:
         """OK, UNKNOWN_USER or NOT_YOURS. Allowed at any time, and to who waits."""
@@ -255,7 +259,7 @@ class Referee:
             return None
         known.seen = now
         self._due = min(self._due, now + self._rules.player_timeout, now + self._rules.seat_timeout)
-        return self._public(known, now)
+        return shown.person(known, self._state, self._rules, now)
 
     # operators
 
@@ -320,31 +324,10 @@ class Referee:
         state = self._state
         is_old = (state.queue or self._uncounted) and now >= self._latest_at + FRESH
         if self._latest is None or is_old:
-            self._latest, self._latest_at, self._uncounted = self._new_snapshot(now), now, False
+            self._latest, self._latest_at, self._uncounted = shown.snapshot(state, self._rules, now), now, False
         else:  # while nobody waits, no seat ends: time passes for the clock only
             self._latest = replace(self._latest, time_left=state.time_left(now))
         return self._latest
-
-    def _new_snapshot(self, now: float) -> Snapshot:
-        state = self._state
-        return Snapshot(
-            game=state.game,
-            time_left=state.time_left(now),
-            battle=state.battle,
-            notice=state.notice,
-            paused=state.paused_at is not None,
-            message=state.message,
-            free_robots=tuple(robot.id for robot in seats.free_robots(state, self._rules)),
-            robots=tuple(robot.id for robot in state.robots),
-            players=tuple(self._player(user, now) for user in state.users),
-            queue=tuple(self._waiter(waiting, place, now) for place, waiting in enumerate(state.queue, 1)),
-            practice=self._rules.practice,
-            result=state.result,
-            teams=state.teams if state.game is Game.PLAYING else self._rules.teams,
-            coded=self._rules.is_coded,
-            damage=self._rules.hit_damage,
-            happened=state.happened,
-        )
 
     def saved(self, now: float) -> dict[str, Any]:
         """The state in JSON's types, for `restored` in another program."""
@@ -419,34 +402,3 @@ class Referee:
     def _of_session(self, session: str) -> User | Waiting | None:
         everybody = [*self._state.users, *self._state.queue]
         return next((one for one in everybody if one.session == session), None)
-
-    def _public(self, known: User | Waiting, now: float) -> Player | Waiter:
-        if isinstance(known, User):
-            return self._player(known, now)
-        return self._waiter(known, self._state.queue.index(known) + 1, now)
-
-    def _player(self, user: User, now: float) -> Player:
-        ends = seats.seat_ends(user, self._state, self._rules)
-        seat_left = 0.0 if ends is None else max(0.1, ends - now)
-        wish = user.wish if user.wish <= self._rules.teams else 0
-        return Player(
-            name=user.name,
-            robot=user.robot,
-            life=user.life,
-            ready=user.ready,
-            avatar=user.avatar,
-            session=user.session,
-            team=user.team if self._state.game is Game.PLAYING else wish,
-            hits=user.hits,
-            kills=user.kills,
-            shots=user.shots,
-            seat_left=seat_left,
-        )
-
-    def _waiter(self, waiting: Waiting, place: int, now: float) -> Waiter:
-        seconds = (
-            seats.estimate(place, self._state, self._rules)
-            if waiting.offer is None
-            else max(0.0, waiting.offer_ends - now)
-        )
-        return Waiter(waiting.name, waiting.avatar, waiting.session, place, waiting.offer, seconds)

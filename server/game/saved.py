@@ -47,7 +47,7 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
 
     Battle and countdown have gone on unless they were paused; pages could not be heard, so their silence counts from
     now on, and that of robots from when they can be back. What an older program did not save yet is as if no operator
-    had decided anything.
+    had decided anything, and what only a newer one knows is left out.
     """
     try:
         then = now - pause
@@ -85,9 +85,9 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             queue=queue,
             queue_since=now,
             leavers=[_restore_user(fields, then, now) for fields in saved["leavers"]],
-            result=tuple(Placing(**fields) for fields in saved["result"]),
+            result=tuple(Placing(**_known(Placing, fields)) for fields in saved["result"]),
             teams=int(saved.get("teams", 0)),
-            happened=tuple(Happening(**fields) for fields in saved.get("happened", ())),
+            happened=tuple(Happening(**_known(Happening, fields)) for fields in saved.get("happened", ())),
             happenings=int(saved.get("happenings", 0)),
             rules={rule: value for rule, value in saved.get("rules", {}).items() if rule in DECLARED},
             banned=list(saved.get("banned", ())),
@@ -100,6 +100,10 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
 
 def _fields(one: Placing | Happening) -> dict[str, Any]:
     return {name: getattr(one, name) for name in type(one).__slots__}
+
+
+def _known(kind: type[Placing | Happening], fields: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: value for name, value in fields.items() if name in kind.__slots__}
 
 
 def _save_robot(robot: Robot) -> dict[str, Any]:

@@ -6,7 +6,8 @@ each robot life only once.
 
 from collections.abc import Iterable
 
-from server.game.light import PACKET, PULSE, Emitter, Shot
+from laser_bot_battle.light import COOLDOWN
+from server.game.light import PULSE, Emitter, Shot
 from server.game.users import User
 
 
@@ -43,7 +44,9 @@ class Shooting:
         if emitter is None or shooter == robot_id:
             return None
         for shot in _that_may_meet(robot_id, victim, emitter.shots, friendly_fire):
-            if shot.is_under_way(now, PACKET):
+            # A trigger that is pulled while the robot cools down fires later than its news. The packet names the robot,
+            # so that nobody else's light can be taken for it.
+            if shot.is_under_way(now, COOLDOWN):
                 shot.met.add(robot_id)
                 return shot.by
         return None

@@ -2,6 +2,7 @@
 plain light, on `/Robot<ID>/hit` by coded light. Needs an initialised node."""
 
 import logging
+import time
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -11,7 +12,7 @@ from std_msgs.msg import Empty
 from laser_bot_battle.msg import Hit, Shot
 from laser_bot_battle.names import SHOTS, hit_topic, response_topic
 from server.game.loop import GameLoop
-from server.ros.robot_topics import Endpoint, RobotTopics
+from server.ros.robot_topics import Endpoint, RobotTopic, RobotTopics
 
 _log = logging.getLogger(__name__)
 
@@ -22,12 +23,17 @@ class Hits(RobotTopics):
     def __init__(self, game: GameLoop) -> None:
         super().__init__()
         self._game = game
-        self._shots = rospy.Subscriber(SHOTS, Shot, self._shot, tcp_nodelay=True)
+        listen = partial(rospy.Subscriber, SHOTS, Shot, self._shot, tcp_nodelay=True)
+        self._shots = RobotTopic(listen, time.monotonic())
 
     @property
     def _shots_told(self) -> bool:
         """Whether somebody tells of shots: our rosbridge does, another one does not."""
-        return bool(self._shots.get_num_connections())
+        return self._shots.is_connected()
+
+    def _settle(self, present: Sequence[int]) -> None:
+        self._shots.hear_again(time.monotonic())
+        super()._settle(present)
 
     def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
         subscribe = partial(rospy.Subscriber, callback_args=robot_id, tcp_nodelay=True)

@@ -7,9 +7,10 @@ from functools import partial
 import rospy
 from std_msgs.msg import Empty
 
+from laser_bot_battle.light import COOLDOWN
 from laser_bot_battle.msg import Setup
 from laser_bot_battle.names import identify_topic, setup_topic
-from server.game.light import COOLDOWN, damage_code
+from server.game.light import damage_code
 from server.game.snapshot import Snapshot
 from server.ros.robot_topics import Endpoint, RobotTopics
 
@@ -33,9 +34,9 @@ class Orders(RobotTopics):
     def identify(self, robot_id: int) -> bool:
         """Whether there is somebody on the robot who can be asked to wiggle and flash. From any thread."""
         topics = self._opened.get(robot_id)
-        if topics is None or not topics[1].endpoint.get_num_connections():
+        if topics is None or not topics[1].is_connected():
             return False
-        topics[1].endpoint.publish(Empty())
+        topics[1].tell(Empty())
         return True
 
     def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
@@ -51,7 +52,7 @@ class Orders(RobotTopics):
         for robot_id, topics in self._opened.items():
             setup = wanted.get(robot_id)
             if setup is not None and setup != self._told.get(robot_id):
-                topics[0].endpoint.publish(setup)
+                topics[0].tell(setup)
                 self._told[robot_id] = setup
 
 

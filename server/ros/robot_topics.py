@@ -18,21 +18,36 @@ Endpoint = Any  # rospy.Publisher or rospy.Subscriber, which are not typed
 
 
 class RobotTopic:
-    """One topic of a robot, open until `close`."""
+    """One topic, open until `close`. Opened and closed by one thread, asked and told by any."""
 
     def __init__(self, make: Callable[[], Endpoint], now: float) -> None:
         self._make, self._since = make, now
-        self.endpoint = make()
+        self._lock = threading.Lock()  # rospy's endpoints are good for nothing once they are closed
+        self._endpoint: Endpoint | None = make()
+
+    def is_connected(self) -> bool:
+        """Whether anybody is at its other end."""
+        with self._lock:
+            return self._endpoint is not None and self._endpoint.get_num_connections() > 0
+
+    def tell(self, message: Any) -> None:
+        """Publish the message, unless the topic is closed."""
+        with self._lock:
+            if self._endpoint is not None:
+                self._endpoint.publish(message)
 
     def hear_again(self, now: float) -> None:
         """Ask for the topic again if nobody has been heard on it."""
-        is_listener = isinstance(self.endpoint, rospy.Subscriber)
-        if is_listener and now - self._since >= RETRY and not self.endpoint.get_num_connections():
+        is_listener = isinstance(self._endpoint, rospy.Subscriber)
+        if is_listener and now - self._since >= RETRY and not self.is_connected():
             self.close()
-            self._since, self.endpoint = now, self._make()
+            self._since, self._endpoint = now, self._make()
 
     def close(self) -> None:
-        self.endpoint.unregister()
+        with self._lock:
+            endpoint, self._endpoint = self._endpoint, None
+        if endpoint is not None:
+            endpoint.unregister()  # asks the ROS master, so that nobody must wait for it
 
 
 class RobotTopics(ABC):

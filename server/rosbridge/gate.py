@@ -58,13 +58,15 @@ class Gate:
         self._clock = clock
         self._attempts = Attempts()
         self._playing = self._practising = self._paused = False
+        self.coded = False
+        """whether the robots' light is coded"""
         self._players: dict[str, UserStatus] = {}  # by session
         self._heard = float("-inf")
 
     def update(self, status: GameStatus, now: float) -> None:
         """The referee has spoken."""
         self._playing, self._heard = status.game == GameStatus.PLAYING, now
-        self._paused = status.paused
+        self._paused, self.coded = status.paused, status.coded
         self._practising = status.practice and status.game == GameStatus.STOPPED
         self._players = {user.session: user for user in status.users if user.session}
 

@@ -20,7 +20,8 @@ def _add_fighters(connection: Connection) -> None:
 
 
 def _add_shooters(connection: Connection) -> None:
-    """Version 3: it is known who has shot. Of older battles it is not."""
+    """It is known who has shot; of older battles it is not. That is no version of its own: older programs do without
+    these columns, so that an update can be taken back."""
     there = {column["name"] for column in inspect(connection).get_columns("fighters")}
     fighters = schema.fighters.c
     for column in (fighters.team, fighters.shots, fighters.given, fighters.kills):
@@ -31,7 +32,7 @@ def _add_shooters(connection: Connection) -> None:
 
 # what brings a database from the version of its place in the list (the first: 1) to the next one; tables that are not
 # there yet have been made before
-STEPS: tuple[Callable[[Connection], None], ...] = (_add_fighters, _add_shooters)
+STEPS: tuple[Callable[[Connection], None], ...] = (_add_fighters,)
 VERSION = len(STEPS) + 1
 
 
@@ -42,6 +43,7 @@ class NewerError(Exception):
 def prepare(connection: Connection) -> None:
     """Make the tables, or bring those of an older version to this one."""
     schema.metadata.create_all(connection)
+    _add_shooters(connection)
     found = connection.scalar(select(schema.schema.c.version))
     if found is None:
         connection.execute(insert(schema.schema).values(version=VERSION))

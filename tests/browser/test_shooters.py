@@ -98,7 +98,7 @@ def test_who_drives_a_weak_robot_is_told(people: Callable[[Battle], tuple[Person
     with Battle(robots=2) as battle:
         ann, bob = people(battle)
         expect(ann.page.locator("#own-weak")).to_be_hidden()
-        with node(battle, "board", str(ann.robot), "4300"):
+        with node(battle, "board", str(ann.robot), "4200"):
             expect(ann.page.locator("#own-weak")).to_have_text("Battery low: tell the operator")
             expect(ann.page.locator("#own-weak")).to_be_visible()
             assert violations(ann.page) == []

@@ -1,10 +1,15 @@
-"""Knobs of the fleet that are refused before anything is done."""
+"""Knobs of the fleet: some are refused before anything is done, some are the rules of the battle."""
 
+import json
+import subprocess
 from pathlib import Path
 
 import pytest
 
+from server.game.rules import Rules
+from server.settings import Settings
 from tests.support.local_play import play_role, recap
+from tests.support.programs import ROOT
 
 GOOD = 'fleet_control_networks: ["192.0.2.1/32"]\nfleet_registry_password: long enough for it\n'
 
@@ -26,3 +31,27 @@ def test_a_wrong_knob_is_refused(tasks: str, knob: str, words: str, tmp_path: Pa
 
 def test_good_ones_are_not(tmp_path: Path) -> None:
     assert play_role("fleet", "facts", GOOD, tmp_path).returncode == 0
+
+
+def rules(**knobs: object) -> Rules:
+    """Those of a server that has what the role sets by these knobs."""
+    role = ROOT / "ansible/roles/master"
+    variables = [f"@{role}/defaults/main.yml", f"@{role}/vars/main.yml", json.dumps(knobs)]
+    run = subprocess.run(
+        [
+            *(ROOT / ".venv/bin/ansible", "localhost", "--inventory=localhost,", "--connection=local", "--one-line"),
+            *("--module-name=ansible.builtin.debug", "--args=var=master_rules"),
+            *(f"--extra-vars={each}" for each in variables),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+    return Settings.from_env(json.loads(run.stdout.partition("=>")[2])["master_rules"]).rules
+
+
+def test_the_rules_of_the_battle_reach_the_server() -> None:
+    assert rules() == Rules()
+    changed = {"hit_damage": 20, "light": "coded", "teams": 2, "friendly_fire": True, "light_damage": True}
+    assert rules(**{f"master_{rule}": value for rule, value in changed.items()}) == Rules(**changed)  # type: ignore[arg-type]

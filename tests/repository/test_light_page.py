@@ -2,13 +2,13 @@
 
 import pytest
 
+from laser_bot_battle.light import COOLDOWN, DAMAGES, PLAIN_PERIOD
 from tests.support.documents import Row, page, table, value_of
 
 PAGE = page("protocol-light.md")
 MARKS = {"0": 600, "1": 1200}  # us
 SPACE = 600
 HEADER = 2400
-TABLE = [1, 2, 4, 5, 7, 10, 15, 17, 20, 25, 30, 35, 40, 50, 75, 100]
 
 
 @pytest.mark.parametrize("row", table(PAGE, "Times"), ids=lambda row: row["what"])
@@ -24,5 +24,11 @@ def test_a_packet_is_made_as_the_page_says(row: Row) -> None:
     assert row["light"] == " ".join(map(str, [HEADER, *bits]))
 
 
-def test_the_damage_table_is_that_of_milestag() -> None:
-    assert [int(row["damage"]) for row in table(PAGE, "Damage")] == TABLE
+def test_the_damage_table_is_that_of_the_code() -> None:
+    assert tuple(int(row["damage"]) for row in table(PAGE, "Damage")) == DAMAGES
+
+
+def test_the_master_counts_with_the_times_of_the_robots() -> None:
+    times = {row["what"]: float(row["value"].split()[0]) / 1000 for row in table(PAGE, "Times")}
+    assert times["cooldown, until the server says another"] == COOLDOWN
+    assert times["a shot of plain light"] + times["darkness between two shots, at least"] == PLAIN_PERIOD

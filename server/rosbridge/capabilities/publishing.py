@@ -92,7 +92,7 @@ class Publishing(Capability):
         if topic in COMMAND_TOPICS:
             client.gate.check_command(client.identity, data)
             client.drivers.commanded(client, client.identity, topic, data)
-            shots = client.drivers.shots.commanded(topic, data, now)
+            shots = client.drivers.shots.commanded(topic, data, client.gate.coded, now)
         if topic not in self._advertised:
             opened = self._advertise(topic, message_type, request.flag("latch") and topic not in COMMAND_TOPICS)
         self._used.add(topic)

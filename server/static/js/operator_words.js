@@ -70,6 +70,7 @@ const WARNINGS = {
   low_supply: "desk.health_low_supply",
   under_voltage: "desk.health_under_voltage",
   deaf: "desk.health_deaf",
+  wrong_light: "desk.health_wrong_light",
 };
 
 /** How a robot is, in a few words; null: it has said nothing. */

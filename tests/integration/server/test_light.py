@@ -105,12 +105,18 @@ def test_each_robot_is_told_how_to_shoot_and_again_when_that_changes(new_duel: C
 
 def test_health_is_on_the_desk_and_a_weak_robot_is_told_to_its_player(new_duel: Callable[..., Duel]) -> None:
     duel = new_duel()
-    for robot, supply in ((0, "4950"), (1, "4300")):
+    for robot, supply in ((0, "4950"), (1, "4200")):
         duel.server.peer("board", str(robot), supply)
     duel.listener.wait_for(lambda status: [user["weak"] for user in status["users"]] == [False, True])
-    robots = {robot["id"]: robot["health"] for robot in operate(duel.server, "get", "state")["robots"]}
+
+    def health() -> dict[int, dict[str, Any]]:
+        return {robot["id"]: robot["health"] for robot in operate(duel.server, "get", "state")["robots"]}
+
+    robots = health()
     assert (robots[0]["warnings"], robots[1]["warnings"]) == ([], ["low_supply"])
     assert (robots[0]["board"]["supply"], robots[0]["wifi"], robots[0]["cpu"]) == (4950, -60, 0.0)
+    operate(duel.server, "put", "rules", {"light": "coded"})
+    until(lambda: health()[0]["warnings"] == ["wrong_light"], 15, "these boards stay plain")
 
 
 def test_an_operator_asks_a_robot_to_show_itself(new_duel: Callable[..., Duel]) -> None:

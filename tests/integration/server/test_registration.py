@@ -152,7 +152,7 @@ def test_peers_that_stall_while_greeting_hold_up_nobody_and_are_cut_off(server, 
 
 
 @contextmanager
-def busy_robot(ros_master, topic: str) -> Iterator[list[str]]:
+def busy_node(ros_master, topic: str, message_type: str) -> Iterator[list[str]]:
     """A node that publishes on `topic`, but cannot answer who asks for it; yields the names of those who have."""
     asked: list[str] = []
 
@@ -166,7 +166,7 @@ def busy_robot(ros_master, topic: str) -> Iterator[list[str]]:
         thread.start()
         master = Master(ros_master.uri, "/busy_robot")
         uri = f"http://127.0.0.1:{node.server_address[1]}"
-        master.call("registerPublisher", topic, "std_msgs/Empty", uri)
+        master.call("registerPublisher", topic, message_type, uri)
         try:
             yield asked
         finally:
@@ -177,5 +177,10 @@ def busy_robot(ros_master, topic: str) -> Iterator[list[str]]:
 
 def test_a_robot_that_did_not_answer_at_once_is_asked_for_its_hits_again(server, ros_master):
     robot = server.robot("-")
-    with busy_robot(ros_master, f"/Robot{robot.id}/response") as asked:
+    with busy_node(ros_master, f"/Robot{robot.id}/response", "std_msgs/Empty") as asked:
+        until(lambda: asked.count("/robots_server") >= 2, 10, "the server asks again")
+
+
+def test_a_rosbridge_that_did_not_answer_at_once_is_asked_for_its_shots_again(server, ros_master):
+    with busy_node(ros_master, "/shots", "laser_bot_battle/Shot") as asked:
         until(lambda: asked.count("/robots_server") >= 2, 10, "the server asks again")

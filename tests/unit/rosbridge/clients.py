@@ -34,11 +34,13 @@ class Server:
     def client(self, identity: Identity = OPERATOR) -> Client:
         return Client(self.gate, self.drivers, self.graph, self.types, Clock(), identity)
 
-    def battle(self, now: float = 0.0, game: int = GameStatus.PLAYING, robot: int = 3, name: str = "al") -> None:
+    def battle(
+        self, now: float = 0.0, game: int = GameStatus.PLAYING, robot: int = 3, name: str = "al", coded: bool = False
+    ) -> None:
         """al, or who else is named, fights with a robot."""
         session = hashlib.sha256(TOKEN.encode()).hexdigest()
         users = [UserStatus(name=name, robot=robot, life=100, ready=True, session=session)]
-        self.gate.update(GameStatus(game=game, users=users), now)
+        self.gate.update(GameStatus(game=game, users=users, coded=coded), now)
 
 
 def say(client: Client, now: float = 0.0, /, found: str | None = None, **fields: Any) -> list[Effect]:

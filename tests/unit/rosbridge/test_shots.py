@@ -5,24 +5,31 @@ from typing import Any
 
 import pytest
 
+from laser_bot_battle.light import COOLDOWN, PLAIN_PERIOD
 from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Identity, session_identity
-from server.rosbridge.shots import COOLDOWN, Shots
+from server.rosbridge.shots import Shots
 from tests.unit.rosbridge.clients import TOKEN, Server, error, say
 
 SHOOT, DRIVE = bytes([1, 0, 1]), bytes([1, 0, 0])
 
 
-def times(shots: Shots, command: bytes, period: float, seconds: float) -> list[float]:
+def times(shots: Shots, command: bytes, period: float, seconds: float, coded: bool = True) -> list[float]:
     """When a shot is told, while `command` comes every `period` s."""
     moments = [number * period for number in range(round(seconds / period))]
-    return [now for now in moments if shots.commanded("/Robot3/command", command, now)]
+    return [now for now in moments if shots.commanded("/Robot3/command", command, coded, now)]
 
 
 def test_a_held_trigger_is_a_shot_each_cooldown() -> None:
     told = times(Shots(), SHOOT, period=0.025, seconds=10)
     assert len(told) in (20, 21)
-    assert all(later - earlier >= COOLDOWN - 0.03 for earlier, later in pairwise(told))
+    assert all(later - earlier >= COOLDOWN - 0.06 for earlier, later in pairwise(told))
+
+
+def test_plain_light_is_a_shot_each_pulse_and_the_darkness_after_it() -> None:
+    told = times(Shots(), SHOOT, period=0.025, seconds=11, coded=False)
+    assert len(told) in (20, 21)
+    assert all(later - earlier >= PLAIN_PERIOD - 0.06 for earlier, later in pairwise(told))
 
 
 @pytest.mark.parametrize("period", [0.02, 0.024, 0.033, 0.05, 0.11])
@@ -45,9 +52,9 @@ def test_what_only_moves_is_no_shot() -> None:
 
 def test_each_robot_has_its_own_cooldown() -> None:
     shots = Shots()
-    assert shots.commanded("/Robot0/command", SHOOT, 5.0) == [Publish("/shots", b"\x00")]
-    assert shots.commanded("/Robot127/command", SHOOT, 5.0) == [Publish("/shots", b"\x7f")]
-    assert shots.commanded("/Robot0/command", SHOOT, 5.1) == []
+    assert shots.commanded("/Robot0/command", SHOOT, True, 5.0) == [Publish("/shots", b"\x00")]
+    assert shots.commanded("/Robot127/command", SHOOT, True, 5.0) == [Publish("/shots", b"\x7f")]
+    assert shots.commanded("/Robot0/command", SHOOT, True, 5.1) == []
 
 
 def test_commands_that_go_through_are_told_and_others_are_not() -> None:
@@ -65,3 +72,13 @@ def test_commands_that_go_through_are_told_and_others_are_not() -> None:
     assert Publish("/shots", b"\x03") in say(operator, 1.0, **command), "a test drive"
     server.battle(game=0)
     assert error(say(al, 2.0, **command))
+
+
+@pytest.mark.parametrize(("coded", "told"), [(True, True), (False, False)])
+def test_the_referee_says_by_which_light_shots_are_counted(coded: bool, told: bool) -> None:
+    server = Server()
+    server.battle(coded=coded)
+    al = server.client(session_identity(TOKEN))
+    command = {"op": "publish", "topic": "/Robot3/command", "msg": {"linear_x": 0, "angular_z": 0, "shoot": True}}
+    say(al, 0.0, **command)
+    assert (Publish("/shots", b"\x03") in say(al, 0.45, **command)) == told

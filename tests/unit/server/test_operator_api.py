@@ -85,6 +85,7 @@ class Site:
         while self.now < end:
             self.now = min(self.now + 1, end)
             snapshot = self.game.snapshot()
+            self.health.follow(snapshot)
             for robot in snapshot.robots:
                 self.game.robot_alive(robot)
             for session in [one.session for one in snapshot.players] + [one.session for one in snapshot.queue]:
@@ -624,14 +625,14 @@ def test_a_ticket_for_a_test_drive_is_good_for_seconds(site: Site) -> None:
     assert TOKEN not in content["ticket"]
 
 
-BOARD = {"major": 1, "minor": 0, "supply": 4950, "deaf": False}
+BOARD = {"major": 1, "minor": 0, "mode": 0, "supply": 4950, "deaf": False}
 HEALTHY = {"cpu": 0.2, "temperature": 48.5, "wifi": -55, "under_voltage": False, "board": BOARD}
 
 
 def test_how_robots_are_is_shown_with_what_needs_a_hand(site: Site) -> None:
     operator = site.operator()
     site.health.report(0, HEALTHY)
-    site.health.report(1, {**HEALTHY, "under_voltage": True, "board": {**BOARD, "supply": 4599, "deaf": True}})
+    site.health.report(1, {**HEALTHY, "under_voltage": True, "board": {**BOARD, "supply": 4299, "deaf": True}})
 
     def shown() -> list[Any]:
         return [robot["health"] for robot in operator.get("/operator/api/state").json["robots"]]
@@ -651,6 +652,49 @@ def test_an_original_board_is_not_missed_and_no_reading_is_no_warning(site: Site
     site.health.report(1, {**HEALTHY, "board": {**BOARD, "supply": 0}})
     assert site.health.of(0) == {**HEALTHY, "board": None, "age": 0.0, "warnings": []}
     assert site.health.weak() == set()
+
+
+def test_a_supply_is_low_by_its_fall_below_what_was_usual(site: Site) -> None:
+    """An Arduino's own reference is 10 % exact: 5 V may be told as 4.5 or 5.5."""
+    usual = {0: 4500, 1: 5500}
+
+    def told(parts: float) -> list[list[str]]:
+        for robot, supply in usual.items():
+            site.health.report(robot, {**HEALTHY, "board": {**BOARD, "supply": round(supply * parts)}})
+        site.pass_time(1)
+        return [known["warnings"] for robot in usual if (known := site.health.of(robot))]
+
+    for second in range(62):
+        assert told(0.97 if second % 10 == 5 else 1) == [[], []], "motors pull it down for moments"
+    assert told(0.96) == [[], []]
+    assert told(0.91) == [["low_supply"]] * 2
+    assert site.health.weak() == {0, 1}
+    for _ in range(60):
+        told(0.91)
+    assert told(0.91) == [["low_supply"]] * 2, "nobody gets used to it"
+    site.health.forget(1)
+    assert told(0.91) == [["low_supply"], []], "another battery, perhaps"
+
+
+def test_a_robot_in_another_light_than_the_rules_is_shown_after_a_moment(site: Site) -> None:
+    operator = site.operator()
+    boards = {0: {**BOARD, "mode": 1}, 1: BOARD, 2: None}
+
+    def told(seconds: int) -> list[list[str]]:
+        for _ in range(seconds):
+            site.pass_time(1)
+            for robot, board in boards.items():
+                site.health.report(robot, {**HEALTHY, "board": board})
+        return [robot["health"]["warnings"] for robot in operator.get("/operator/api/state").json["robots"]]
+
+    assert told(4) == [[], [], []]
+    assert told(2) == [["wrong_light"], [], []]
+    done(operator.put("/operator/api/rules", json={"light": "coded"}))
+    assert told(4) == [[], [], []]
+    assert told(2) == [[], ["wrong_light"], ["wrong_light"]], "the original sketch stays plain"
+    assert site.health.weak() == set()
+    boards[1] = {**BOARD, "mode": 1}
+    assert told(1) == [[], [], ["wrong_light"]]
 
 
 def test_a_robot_is_asked_to_show_itself(site: Site) -> None:

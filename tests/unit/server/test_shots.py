@@ -4,9 +4,10 @@ import json
 
 import pytest
 
+from laser_bot_battle.light import COOLDOWN, DAMAGES
 from server.game import events
 from server.game.events import from_json, kind_of, to_json
-from server.game.light import COOLDOWN, DAMAGES, DELAY, PACKET, PULSE, damage_code
+from server.game.light import DELAY, PULSE, damage_code
 from server.game.replay import replay
 from server.game.rules import Rules
 from tests.unit.server.conftest import Match
@@ -124,15 +125,29 @@ def test_only_living_fighters_of_a_running_battle_shoot(match):
 def test_a_packet_counts_if_its_robot_has_just_fired_it(coded):
     assert not met(coded, "ada", by="bob")
     fire(coded, "bob")
-    coded.now += PACKET + 0.01
+    coded.now += 0.04
     assert not met(coded, "ada", by="cy"), "who has not fired"
     assert met(coded, "ada", by="bob")
     assert not met(coded, "ada", by="bob"), "the same packet"
     assert met(coded, "cy", by="bob"), "which another robot sees, too"
-    coded.now += DELAY
-    assert not met(coded, "ada", by="bob")
     assert happened(coded) == [("ada", "bob", 90), ("cy", "bob", 90)]
     assert score(coded, "bob") == (1, 2, 0)
+
+
+def test_a_packet_may_be_fired_a_cooldown_after_its_news_and_no_later(coded):
+    """By a robot that still cooled down."""
+    fire(coded, "bob")
+    coded.now += COOLDOWN + DELAY - 0.01
+    assert met(coded, "ada", by="bob")
+    coded.now += 0.02
+    assert not met(coded, "cy", by="bob")
+
+
+def test_a_shot_whose_news_was_late_costs_the_next_one_nothing(coded):
+    coded.now += 0.29  # this program stood still
+    assert fire(coded, "bob")
+    coded.now += COOLDOWN - 0.29
+    assert fire(coded, "bob")
 
 
 def test_two_shooters_at_once_both_hit(coded):
@@ -253,6 +268,18 @@ def test_counts_and_happenings_outlive_the_program(coded):
     before = score(coded, "bob"), coded.state.happened
     coded.restart()
     assert (score(coded, "bob"), coded.state.happened) == before
+
+
+def test_what_only_a_newer_program_saves_is_left_out(match):
+    match.start("ada", "bob")
+    match.hit("bob", 10)
+    saved = match.referee.saved(match.now)
+    before = match.state.result, match.state.happened
+    for one in (saved, *saved["users"], *saved["result"], *saved["happened"]):
+        one["of_tomorrow"] = 1
+    match.restart(saved=saved)
+    assert (match.state.result, match.state.happened) == before
+    assert len(before[0]) == 2
 
 
 def test_what_an_older_program_has_saved_and_recorded_is_read(match):

@@ -1,0 +1,59 @@
+"""What others may know of the state of the game: pure."""
+
+from laser_bot_battle.names import Game
+from server.game import seats
+from server.game.rules import Rules
+from server.game.snapshot import Player, Snapshot, Waiter
+from server.game.state import State
+from server.game.users import User, Waiting
+
+
+def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
+    return Snapshot(
+        game=state.game,
+        time_left=state.time_left(now),
+        battle=state.battle,
+        notice=state.notice,
+        paused=state.paused_at is not None,
+        message=state.message,
+        free_robots=tuple(robot.id for robot in seats.free_robots(state, rules)),
+        robots=tuple(robot.id for robot in state.robots),
+        players=tuple(player(user, state, rules, now) for user in state.users),
+        queue=tuple(_waiter(waiting, place, state, rules, now) for place, waiting in enumerate(state.queue, 1)),
+        practice=rules.practice,
+        result=state.result,
+        teams=state.teams if state.game is Game.PLAYING else rules.teams,
+        coded=rules.is_coded,
+        damage=rules.hit_damage,
+        happened=state.happened,
+    )
+
+
+def person(known: User | Waiting, state: State, rules: Rules, now: float) -> Player | Waiter:
+    if isinstance(known, User):
+        return player(known, state, rules, now)
+    return _waiter(known, state.queue.index(known) + 1, state, rules, now)
+
+
+def player(user: User, state: State, rules: Rules, now: float) -> Player:
+    ends = seats.seat_ends(user, state, rules)
+    seat_left = 0.0 if ends is None else max(0.1, ends - now)
+    wish = user.wish if user.wish <= rules.teams else 0
+    return Player(
+        name=user.name,
+        robot=user.robot,
+        life=user.life,
+        ready=user.ready,
+        avatar=user.avatar,
+        session=user.session,
+        team=user.team if state.game is Game.PLAYING else wish,
+        hits=user.hits,
+        kills=user.kills,
+        shots=user.shots,
+        seat_left=seat_left,
+    )
+
+
+def _waiter(waiting: Waiting, place: int, state: State, rules: Rules, now: float) -> Waiter:
+    seconds = seats.estimate(place, state, rules) if waiting.offer is None else max(0.0, waiting.offer_ends - now)
+    return Waiter(waiting.name, waiting.avatar, waiting.session, place, waiting.offer, seconds)
