@@ -12,6 +12,11 @@ from server.rosbridge.shots import Shots
 from tests.unit.rosbridge.clients import TOKEN, Server, error, say
 
 SHOOT, DRIVE = bytes([1, 0, 1]), bytes([1, 0, 0])
+SHOOTING: dict[str, Any] = {
+    "op": "publish",
+    "topic": "/Robot3/command",
+    "msg": {"linear_x": 0, "angular_z": 0, "shoot": True},
+}
 
 
 def times(shots: Shots, command: bytes, period: float, seconds: float, coded: bool = True) -> list[float]:
@@ -60,18 +65,13 @@ def test_each_robot_has_its_own_cooldown() -> None:
 def test_commands_that_go_through_are_told_and_others_are_not() -> None:
     server = Server()
     server.battle()
-    command: dict[str, Any] = {
-        "op": "publish",
-        "topic": "/Robot3/command",
-        "msg": {"linear_x": 0, "angular_z": 0, "shoot": True},
-    }
     al, operator, guest = server.client(session_identity(TOKEN)), server.client(), server.client(Identity())
-    assert error(say(guest, 0.0, **command))
-    assert Publish("/shots", b"\x03") in say(al, 0.0, **command)
-    assert not [each for each in say(al, 0.1, **command) if each == Publish("/shots", b"\x03")]
-    assert Publish("/shots", b"\x03") in say(operator, 1.0, **command), "a test drive"
+    assert error(say(guest, 0.0, **SHOOTING))
+    assert Publish("/shots", b"\x03") in say(al, 0.0, **SHOOTING)
+    assert not [each for each in say(al, 0.1, **SHOOTING) if each == Publish("/shots", b"\x03")]
+    assert Publish("/shots", b"\x03") in say(operator, 1.0, **SHOOTING), "a test drive"
     server.battle(game=0)
-    assert error(say(al, 2.0, **command))
+    assert error(say(al, 2.0, **SHOOTING))
 
 
 @pytest.mark.parametrize(("coded", "told"), [(True, True), (False, False)])
@@ -79,6 +79,5 @@ def test_the_referee_says_by_which_light_shots_are_counted(coded: bool, told: bo
     server = Server()
     server.battle(coded=coded)
     al = server.client(session_identity(TOKEN))
-    command = {"op": "publish", "topic": "/Robot3/command", "msg": {"linear_x": 0, "angular_z": 0, "shoot": True}}
-    say(al, 0.0, **command)
-    assert (Publish("/shots", b"\x03") in say(al, 0.45, **command)) == told
+    say(al, 0.0, **SHOOTING)
+    assert (Publish("/shots", b"\x03") in say(al, 0.45, **SHOOTING)) == told
