@@ -67,8 +67,8 @@ class SubscribedTopic:
         return rospy.Subscriber(self._info.topic_name, self._kind, received, queue_size=1, tcp_nodelay=True)
 
     def hear_again(self) -> None:
-        """Subscribe anew if there is a publisher but no connection to it: rospy forgets one that appears in the moment of
-        subscribing, and one that did not answer at once. OSError, rospy.ROSException: the master did not tell."""
+        """Subscribe anew if there is a publisher but no connection to it: rospy forgets one that appears in the moment
+        of subscribing, and one that did not answer at once. OSError, rospy.ROSException: the master did not tell."""
         if self._subscriber.get_num_connections():
             return
         published = rospy.get_published_topics(rosgraph.names.namespace(self.name))

@@ -205,7 +205,7 @@ class SerialLine:
             self._command(info, setup[1])
 
     def _heard_of_board(self, board: BoardHealth) -> None:
-        """A setup is sent again to a device that is in another mode: it was damaged on the line, or the device was reset."""
+        """A setup is sent again to a device that is in another mode: it was damaged on the line."""
         self.board.take(board, time.monotonic())
         with self._lock:
             setups = [*self._setups.values()]
