@@ -206,7 +206,7 @@ def test_virtual_robots_play_with_coded_light() -> None:
     (web,) = [container for _, container in overlay("sim").containers if container["name"] == "web"]
     read = ProgramSettings(web["command"], settings["data"])
     assert read.settings is not None
-    assert read.settings.rules.coded
+    assert read.settings.rules.light == "coded"
 
 
 def test_a_virtual_robot_is_its_pod() -> None:

@@ -5,6 +5,7 @@ import struct
 import threading
 import time
 from pathlib import Path
+from typing import Any
 from xmlrpc.server import SimpleXMLRPCServer
 
 from laser_bot_battle.master import Master
@@ -229,7 +230,7 @@ def test_a_publisher_of_the_setup_that_did_not_answer_is_asked_again(
     setup = TopicInfo(101, "setup", Setup._type, Setup._md5sum, 280)
     asked: list[str] = []
 
-    def request_topic(caller: str, topic: str, _: object) -> tuple[int, str, list[object]]:
+    def request_topic(caller: Any, topic: Any, _: Any) -> Any:
         asked.append(f"{caller} {topic}")
         return 0, "busy", []
 
