@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import genpy
+import rosgraph.names
 import rospy
 
 from robot.message_types import message_class
@@ -53,12 +54,27 @@ class SubscribedTopic:
     newest; ValueError if it has a type that cannot be."""
 
     def __init__(self, info: TopicInfo, on_command: Callable[[TopicInfo, bytes], None]) -> None:
-        def received(message: genpy.Message) -> None:
-            on_command(info, serialised(message))
-
-        kind = message_class(info)
-        self._subscriber = rospy.Subscriber(info.topic_name, kind, received, queue_size=1, tcp_nodelay=True)
+        self._info = info
+        self._kind = message_class(info)
+        self._on_command = on_command
+        self._subscriber = self._subscribed()
         self.name = self._subscriber.resolved_name
+
+    def _subscribed(self) -> rospy.Subscriber:
+        def received(message: genpy.Message) -> None:
+            self._on_command(self._info, serialised(message))
+
+        return rospy.Subscriber(self._info.topic_name, self._kind, received, queue_size=1, tcp_nodelay=True)
+
+    def hear_again(self) -> None:
+        """Subscribe anew if there is a publisher but no connection to it: rospy forgets one that appears in the moment
+        of subscribing, and one that did not answer at once. OSError, rospy.ROSException: the master did not tell."""
+        if self._subscriber.get_num_connections():
+            return
+        published = rospy.get_published_topics(rosgraph.names.namespace(self.name))
+        if self.name in (name for name, _ in published):
+            self._subscriber.unregister()
+            self._subscriber = self._subscribed()
 
     def receive(self, payload: bytes) -> None:
         """A device sends nothing on what it subscribes to."""

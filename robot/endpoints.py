@@ -1,6 +1,7 @@
 """What ROS sees of the device's topics and services. They are joined to ROS by a thread of its own: the ROS master may
 be slow, and the serial line may not."""
 
+import contextlib
 import logging
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
@@ -8,6 +9,7 @@ from typing import Any, Protocol
 import rosgraph.names
 import rospy
 
+from laser_bot_battle.msg import Setup
 from robot.device_services import CalledService, ServedService
 from robot.device_topics import PublishedTopic, SubscribedTopic, TakenTopic
 from robot.errands import Errands
@@ -44,6 +46,7 @@ class Endpoints:
         self._taken = taken
         self._told: dict[int, Told] = {}
         self._open: dict[int, Endpoint] = {}  # by the id of what the device sends; of a subscribed topic, by its own
+        self._hears_again = False  # waits for its turn
         self._errands = Errands("endpoints", 0)  # the protocol limits how many there are
         node = rospy.get_name()
         self._node = node
@@ -62,6 +65,20 @@ class Endpoints:
         endpoint = self._open.get(topic_id)
         if endpoint is not None:
             endpoint.receive(payload)
+
+    def hear_again(self) -> None:
+        """To be called now and then: a setup is told only once, so that its publisher must not be missed."""
+        if not self._hears_again:
+            self._hears_again = True
+            self._errands.do(self._hear_again)
+
+    def _hear_again(self) -> None:
+        self._hears_again = False
+        for key, endpoint in self._open.items():
+            if isinstance(endpoint, SubscribedTopic) and _words(self._told[key])[2] == Setup._type:
+                # it is another's work to notice that the master is away
+                with contextlib.suppress(OSError, rospy.ROSException):
+                    endpoint.hear_again()
 
     def _join(self, key: int, told: Told) -> None:
         old = self._open.pop(key, None)

@@ -10,7 +10,7 @@ from laser_bot_battle.master import Master
 from laser_bot_battle.msg import BoardHealth, Robot_msg, Setup
 from robot.dead_man import DeadMan
 from robot.device_log import DeviceLogger
-from robot.device_topics import serialised
+from robot.device_topics import deserialised, serialised
 from robot.diagnostics import LineState
 from robot.endpoints import Endpoints
 from robot.health import Board
@@ -36,6 +36,7 @@ from robot.serial_port import PortError, SerialPort
 from robot.transmit_queue import TransmitQueue
 from robot.waker import Waker
 
+HEAR_AGAIN = 2.0  # s between two looks for a publisher that was missed
 TICK = 0.5  # s, longest wait without looking at the time, and whether a signal came just before the wait
 
 _log = logging.getLogger(__name__)
@@ -53,7 +54,7 @@ class SerialLine:
         self._endpoints = Endpoints(
             self._command,
             lambda topic_id, payload: self._answer(encode(topic_id, payload)),
-            {BoardHealth._type: lambda message: self.board.take(message, time.monotonic())},
+            {BoardHealth._type: self._heard_of_board},
         )
         self._parameters = Parameters(master, self._answer)
         self._device_log = DeviceLogger()
@@ -62,7 +63,8 @@ class SerialLine:
         self._lock = threading.Lock()  # for all below, and for writing to the port
         self._queue = TransmitQueue(port.baudrate)
         self._dead_men: dict[int, DeadMan] = {}
-        self._setups: dict[int, bytes] = {}  # the last one of each topic
+        self._setups: dict[int, tuple[TopicInfo, bytes]] = {}  # the last one of each topic
+        self._hears_again_at = time.monotonic() + HEAR_AGAIN
         self._wakes_at = 0.0  # when `run` looks again at what is due
         self._failure: PortError | None = None  # met by a command
         self._ends = False
@@ -83,6 +85,9 @@ class SerialLine:
                 now, wall = time.monotonic(), time.time()
                 for event in self._host.receive(data, now, wall) + self._host.tick(now, wall):
                     self._handle(event)
+                if now >= self._hears_again_at:
+                    self._hears_again_at = now + HEAR_AGAIN
+                    self._endpoints.hear_again()
                 wait = self._do_what_is_due()
         finally:
             with self._lock:
@@ -132,7 +137,7 @@ class SerialLine:
             if topic.topic_id in self._dead_men:
                 self._dead_men[topic.topic_id].command(payload, now)
             if topic.message_type == Setup._type:
-                self._setups[topic.topic_id] = payload
+                self._setups[topic.topic_id] = (topic, payload)
             self._queue.command(topic.topic_id, frame)
             self._transmit_soon(now)
 
@@ -197,4 +202,14 @@ class SerialLine:
                 self._dead_men.setdefault(info.topic_id, DeadMan(neutral=serialised(Robot_msg())))
             setup = self._setups.get(info.topic_id)
         if setup is not None:
-            self._command(info, setup)
+            self._command(info, setup[1])
+
+    def _heard_of_board(self, board: BoardHealth) -> None:
+        """A setup is sent again to a device that is in another mode: it was damaged on the line."""
+        self.board.take(board, time.monotonic())
+        with self._lock:
+            setups = [*self._setups.values()]
+        for topic, payload in setups:
+            setup = deserialised(Setup, payload, topic.topic_name)
+            if setup is not None and setup.mode != board.mode:
+                self._command(topic, payload)

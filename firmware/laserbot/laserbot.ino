@@ -53,6 +53,7 @@ static void on_setup(const Setup &setup) {
   if (setup.mode != kept.get().mode) {
     emitter.stop();
     decoder.reset();
+    hits.reset();
   }
   kept.keep(setup);
 }
@@ -157,7 +158,7 @@ void setup() {
   uart::begin();
   analog::begin();
   watchdog::begin();
-  if (watchdog::reset_cause() & watchdog::WATCHDOG) client.announce();
+  client.announce();
 }
 
 void loop() {

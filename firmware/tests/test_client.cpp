@@ -168,10 +168,34 @@ TEST(a_request_in_the_middle_of_an_answer_is_answered_from_the_start) {
   CHECK_EQUAL(NEGOTIATION, device.all(1005));
 }
 
-TEST(a_device_that_has_started_again_tells_its_topics_unasked) {
+TEST(a_device_that_has_started_tells_its_topics_unasked_and_then_waits_for_a_host) {
   Device device;
   device.client.announce();
   CHECK_EQUAL(NEGOTIATION, device.all(0));
+  device.client.publish_response();
+  device.run(0, 60000);
+  CHECK_EQUAL(std::string(""), line.take());
+  CHECK(!device.client.configured());
+}
+
+TEST(a_host_that_answers_a_device_that_has_started_is_connected) {
+  for (const std::string &answer : {TIME_ANSWER, TOPIC_REQUEST}) {
+    Device device;
+    device.client.announce();
+    device.all(0);
+    device.receive(answer, 20);
+    CHECK(device.client.configured());
+  }
+}
+
+TEST(a_host_that_answers_before_all_topics_are_told_is_connected_then) {
+  Device device;
+  device.client.announce();
+  device.client.spin(0);
+  CHECK_EQUAL(FIRST_PART, line.take());
+  device.receive(TIME_ANSWER, 20);
+  CHECK(!device.client.configured());
+  device.all(20);
   CHECK(device.client.configured());
 }
 

@@ -121,6 +121,21 @@ TEST(light_that_was_there_at_power_on_is_no_hit) {
   for (uint32_t now = 0; now < 1000; ++now) CHECK(!detector.update(false, true, false, now));
 }
 
+TEST(light_that_has_come_while_nobody_looked_is_no_hit_and_the_next_pulse_is_one) {
+  for (uint32_t start : STARTS) {
+    Sensor sensor(start);
+    sensor.run(100, false);
+    sensor.now += 5000;
+    sensor.lit = true;
+    sensor.detector.reset();
+    sensor.run(500, true);
+    CHECK_EQUAL(0, sensor.hits);
+    sensor.run(50, false);
+    sensor.run(500, true);
+    CHECK_EQUAL(1, sensor.hits);
+  }
+}
+
 TEST(the_own_light_is_no_hit) {
   Sensor sensor(1000);
   sensor.run(50, false);

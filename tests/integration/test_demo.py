@@ -13,7 +13,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from tests.support.battle import PORTS, Battle, command_line, descendants
-from tests.support.play import obeys, start
+from tests.support.play import hunt_down, obeys, start
 from tests.support.player import Eyes, Player, players_and_free_robots
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -114,6 +114,18 @@ def fights_again(player: Player, other: Player, eyes: Eyes) -> bool:
         obeys(player, eyes, 5)
         return True
     return False
+
+
+def test_robots_can_be_hit_by_the_light_of_either_rule() -> None:
+    with Battle(robots=2, LASERBOT_COUNTDOWN="1", LASERBOT_OPERATOR_TOKEN="desk") as battle:
+        for light in ("coded", "plain"):
+            bearer = {"Authorization": "Bearer desk"}
+            rules = f"{battle.web}/operator/api/rules"
+            requests.put(rules, json={"light": light}, headers=bearer, timeout=5).raise_for_status()
+            with Player(battle, "Ann") as ann, Player(battle, "Ben") as ben, Eyes(battle) as eyes:
+                start(ann, ben)
+                hunt_down(ann, ben, eyes, life=90)
+            until(lambda: players_and_free_robots(battle) == ([], 2), 20, "both have left")
 
 
 def test_the_bot_waits_for_a_human_as_an_opponent() -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from laser_bot_battle.msg import BoardHealth
-from tests.support.avr import FIRMWARE, OPTIBOOT, REQUEST_TOPICS, command, frame
+from tests.support.avr import FIRMWARE, OPTIBOOT, REQUEST_TOPICS, RESPONSE_ID, command, frame
 from tests.support.documents import page, table
 from tests.support.programs import ROOT
 from tests.support.virtual_time import (
@@ -139,7 +139,7 @@ def test_the_line_has_the_speed_of_the_boards_bridge(tmp_path: Path, board: str,
     with uno(built / "laserbot.elf") as robot:
         robot.run(0.02)
         robot.connect()
-        assert times_told(robot) == 1
+        assert times_told(robot) == 2  # when it started, and when asked
         samples = 8 if robot.peek(UCSR0A) & U2X else 16
         assert 16_000_000 / samples / (robot.peek(UBRR0L) + 1) == pytest.approx(baud, abs=1)
 
@@ -216,14 +216,48 @@ def test_a_program_that_hangs_starts_again_and_has_its_setup_back(bootloader: Pa
     with uno(bootloader=bootloader) as robot:
         robot.run(3.0)  # a boot loader waits for a new program first
         robot.connect(setup(5, 2, CODED, damage=3))
+        told = times_told(robot)
         robot.run(0.2, command(1, 0))
         hung = robot.now
         robot.hang()
         robot.run(1.0)
-        assert times_told(robot) == 2
+        assert times_told(robot) == told + 1
         assert robot.steps[-1][0] - hung <= 350 * MS
         assert faults(robot) == []
         assert health(robot).reset_cause & WATCHDOG
+
+
+@pytest.mark.parametrize("bootloader", [None, OPTIBOOT], ids=["none", "optiboot"])
+def test_a_robot_whose_reset_button_was_pressed_has_its_setup_back_at_once(bootloader: Path | None) -> None:
+    with uno(bootloader=bootloader) as robot:
+        robot.run(3.0)
+        robot.connect(setup(5, 2, CODED, damage=3))
+        told = times_told(robot)
+        robot.run(0.2, command(1, 0))
+        robot.reset()
+        robot.run(1.3 if bootloader else 0.3)  # the boot loader waits for a new program for a second
+        assert times_told(robot) == told + 1
+        assert faults(robot) == []
+        assert health(robot).reset_cause == RESET_PIN
+
+
+def test_light_that_came_in_coded_mode_is_no_hit_when_the_mode_is_plain_again() -> None:
+    with uno(coded=False) as robot:
+        robot.run(0.02)
+        robot.connect(setup(5, mode=PLAIN))
+        robot.run(0.2)
+        robot.send(setup(5, mode=CODED))
+        robot.run(0.1)
+        robot.shine(True)
+        robot.run(1.0)
+        robot.send(setup(5, mode=PLAIN))
+        robot.run(0.5)
+        assert robot.said(RESPONSE_ID) == []
+        robot.shine(False)
+        robot.run(0.1)
+        robot.shine(True)
+        robot.run(0.1)
+        assert len(robot.said(RESPONSE_ID)) == 1
 
 
 @pytest.mark.slow
@@ -245,7 +279,8 @@ def test_a_robot_whose_ram_was_disturbed_comes_back_by_itself() -> None:
 @pytest.mark.parametrize("register", [0x6F, 0x80, 0x81, 0xC1, 0x69, 0x2A, 0x24, 0xB1])
 def test_a_register_that_was_disturbed_is_noticed(robot: Uno, register: int) -> None:
     """TIMSK1, TCCR1A, TCCR1B, UCSR0B, EICRA, DDRD, DDRB, TCCR2B."""
+    told = times_told(robot)
     robot.flip(register, 3)
     robot.run(0.8)
-    assert times_told(robot) == 2
+    assert times_told(robot) == told + 1
     assert faults(robot) == []

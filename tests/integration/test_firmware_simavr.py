@@ -314,7 +314,7 @@ def test_the_robot_asks_for_the_time_every_2500_ms_answered_or_not(tmp_path: Pat
 def questions(robot: AvrRobot) -> list[int]:
     """When (cycle) the robot has asked for the time since the negotiation: 16 bytes, and none soon before or after."""
     bursts: list[tuple[int, int]] = []
-    last = 0
+    last = -CYCLES_PER_SECOND
     for event in robot.events:
         if event.words[0] != "uart-out":
             continue

@@ -201,6 +201,14 @@ def test_virtual_robots_have_the_ids_that_are_painted_on_them() -> None:
     assert read.settings.roster == expected
 
 
+def test_virtual_robots_play_with_coded_light() -> None:
+    settings = overlay("sim").config("settings")
+    (web,) = [container for _, container in overlay("sim").containers if container["name"] == "web"]
+    read = ProgramSettings(web["command"], settings["data"])
+    assert read.settings is not None
+    assert read.settings.rules.light == "coded"
+
+
 def test_a_virtual_robot_is_its_pod() -> None:
     """Its Arduino is in the arena, and its software known to the server, by the name of the pod."""
     manifests = overlay("sim")

@@ -56,6 +56,11 @@ def test_compose_gives_a_fleets_program_all_that_it_reads(service: str, program:
     assert {name for name in read if VARIABLE.fullmatch(name)} - MARKED <= SERVICES[service]["environment"].keys()
 
 
+def test_the_demo_of_compose_plays_with_coded_light_and_a_fleet_as_its_owner_says() -> None:
+    light = {name: SERVICES[name]["environment"]["LASERBOT_LIGHT"] for name in ("demo-web", "web")}
+    assert light == {"demo-web": "${LASERBOT_LIGHT:-coded}", "web": None}
+
+
 def test_compose_passes_ros_variables_to_robots_and_the_address_to_their_master() -> None:
     """As they are outside: where there are none, the programs find them out."""
     assert SERVICES["robot"]["environment"]["ROS_MASTER_URI"] is None

@@ -20,6 +20,7 @@ FIRMWARE = ROOT / "build/firmware/laserbot.elf"
 AVR_ROBOT = ROOT / "build/sim/avr_robot"
 OPTIBOOT = ROOT / "build/sim/optiboot.hex"
 CYCLES_PER_SECOND = 16_000_000
+STARTED = CYCLES_PER_SECOND // 5  # on the clock of an AVR whose firmware has told its topics
 
 REQUEST_TOPICS = bytes.fromhex("ff fe 00 00 ff 00 00 ff")
 HIT = bytes.fromhex("ff fe 00 00 ff 7d 00 82")
@@ -87,7 +88,9 @@ class AvrRobot:
         self.program = Program([str(word) for word in [AVR_ROBOT, *arguments]])
         self._parsed = 0
         self._events: list[Event] = []
-        self.program.wait_for(" tick\n")  # its UART is on by now: as on a real Uno, what comes before is lost
+        self.program.wait_for(" tick\n")
+        # it has told its topics by now, and who opens its UART does not hear the rest of them only
+        until(lambda: self.now >= STARTED, 10, "it has started")
 
     @property
     def uart(self) -> str:

@@ -150,6 +150,11 @@ class Uno:
         """Let the program run in an endless loop; interrupts go on."""
         self._call.uno_hang(self._uno)
 
+    def reset(self) -> None:
+        """Press its button."""
+        self._received = b""
+        self._call.uno_reset(self._uno)
+
     def peek(self, address: int) -> int:
         return int(self._call.uno_peek(self._uno, address)) & 0xFF
 

@@ -2,8 +2,11 @@
 
 import signal
 import struct
+import threading
 import time
 from pathlib import Path
+from typing import Any
+from xmlrpc.server import SimpleXMLRPCServer
 
 from laser_bot_battle.master import Master
 from laser_bot_battle.msg import BoardHealth, Setup
@@ -194,6 +197,57 @@ def test_the_last_setup_is_sent_again_to_a_device_that_tells_its_topics_again(st
         until(lambda: device.payloads(101) == [wanted], 20)
         # it is silent, so it is asked for its topics, and tells them
         until(lambda: device.payloads(101)[1:] == [wanted], 20)
+
+
+def test_a_setup_that_was_lost_on_the_line_is_sent_again_until_the_board_is_in_its_mode(
+    start: Start, tmp_path: Path
+) -> None:
+    setup = TopicInfo(101, "setup", Setup._type, Setup._md5sum, 280)
+    board = TopicInfo(127, "board", BoardHealth._type, BoardHealth._md5sum, 280)
+    with Device(tmp_path / "tty", subscribers=(COMMAND, setup), publishers=(board,)) as device:
+        node = start("robot.serial_node", device.path, "__name:=Robot54", "setup:=/Robot54/setup")
+        node.wait_for("/Robot54/setup")
+        peer(start, "setup", "/Robot54/setup", "54", "1", "1")
+        until(lambda: device.payloads(101), 20)
+
+        def told(mode: int) -> int:
+            """How many setups have come when the board has said its mode, and that was heard."""
+            device.send(encode(127, serialised(BoardHealth(mode=mode))) + encode(10, bytes(8)))
+            answers = len(device.payloads(10))
+            until(lambda: len(device.payloads(10)) > answers)
+            return len(device.payloads(101))
+
+        before = told(Setup.CODED)
+        assert told(Setup.CODED) == before
+        assert told(Setup.PLAIN) == before + 1
+        assert told(Setup.CODED) == before + 1
+        assert set(device.payloads(101)) == {serialised(Setup(54, 1, Setup.CODED, 500, 0))}
+
+
+def test_a_publisher_of_the_setup_that_did_not_answer_is_asked_again(
+    start: Start, ros_master: RosMaster, tmp_path: Path
+) -> None:
+    setup = TopicInfo(101, "setup", Setup._type, Setup._md5sum, 280)
+    asked: list[str] = []
+
+    def request_topic(caller: Any, topic: Any, _: Any) -> Any:
+        asked.append(f"{caller} {topic}")
+        return 0, "busy", []
+
+    with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False) as publisher:
+        publisher.register_function(request_topic, "requestTopic")
+        thread = threading.Thread(target=publisher.serve_forever)
+        thread.start()
+        try:
+            uri = f"http://127.0.0.1:{publisher.server_address[1]}"
+            Master(ros_master.uri, "busy").call("registerPublisher", "/Robot55/setup", Setup._type, uri)
+            with Device(tmp_path / "tty", subscribers=(COMMAND, setup)) as device:
+                start("robot.serial_node", device.path, "__name:=Robot55", "setup:=/Robot55/setup")
+                until(lambda: len(asked) >= 3, 20, "asked again")
+        finally:
+            publisher.shutdown()
+            thread.join()
+    assert set(asked) == {"/Robot55 /Robot55/setup"}
 
 
 def test_health_is_the_boards_and_the_raspberry_pis(start: Start, tmp_path: Path) -> None:

@@ -97,6 +97,12 @@ void uno_flip(struct board *board, uint16_t address, uint8_t bit)
 	board->avr->data[address] ^= 1u << bit;
 }
 
+/* By the button. */
+void uno_reset(struct board *board)
+{
+	board_reset(board);
+}
+
 /* The program jumps to where there is an endless loop. */
 void uno_hang(struct board *board)
 {

@@ -17,6 +17,9 @@ constexpr uint32_t OWN_LIGHT_MS = 5;
 
 class HitDetector {
  public:
+  // Forgets what was seen before a time without looks.
+  void reset() { *this = HitDetector(); }
+
   // `edge`: the light has changed since the last call; `light`: there is light now; `own`: the own emitter is on; `now`
   // in ms, may wrap. Returns whether this is a hit.
   bool update(bool edge, bool light, bool own, uint32_t now) {

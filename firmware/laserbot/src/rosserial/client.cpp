@@ -70,12 +70,19 @@ void Client::handle(uint16_t topic, const Now &now) {
   }
 }
 
+void Client::host_heard() {
+  if (unasked_) configured_ = telling_ == NOTHING;
+  unasked_ = false;
+}
+
 void Client::topics_requested(const Now &now) {
+  host_heard();
   telling_ = 0;
   if (configured_ && now.ms - last_board_ < REFUSAL_MS && board_refused_ < REFUSALS) ++board_refused_;
 }
 
 void Client::time_answered(const Now &now) {
+  host_heard();
   const uint32_t took = now.us - time_requested_us_;
   if (unanswered_ == 1) round_trip_ = took < UINT16_MAX ? took : UINT16_MAX;
   unanswered_ = 0;
@@ -126,6 +133,7 @@ bool Client::publish_board(const BoardHealth &health, const Now &now) {
 
 void Client::disconnect() {
   telling_ = NOTHING;
+  unasked_ = false;
   configured_ = false;
   responses_ = 0;
   hits_waiting_ = 0;
@@ -153,7 +161,7 @@ void Client::tell(const Now &now) {
     ++telling_;
   }
   telling_ = NOTHING;
-  configured_ = true;
+  configured_ = !unasked_;
 }
 
 void Client::request_time(const Now &now) {

@@ -32,8 +32,12 @@ class Client {
   // Does what is due: answers a topic request, asks for the time, sends waiting messages. Never waits for the UART.
   void spin(const Now &now);
 
-  // Tells the topics though the host has not asked: it may not know that the device has started again.
-  void announce() { telling_ = 0; }
+  // Tells the topics though nobody has asked: a host may not know that the device has started again. Whether there is one
+  // is known when it answers the question for the time.
+  void announce() {
+    telling_ = 0;
+    unasked_ = true;
+  }
 
   // Publishes on `response` and `hit`. A message waits for room in the UART if need be. Without a host that knows the
   // topics it is dropped: a hit from before the connection came up would count in a battle that it does not belong to.
@@ -43,7 +47,7 @@ class Client {
   // Publishes on `board`, if the host knows the topic and there is room; returns whether.
   bool publish_board(const BoardHealth &health, const Now &now);
 
-  // Whether the host has asked for the topics and still answers.
+  // Whether the host knows the topics and still answers.
   bool configured() const { return configured_; }
 
   // us from the last question for the time to its answer; 0: none yet.
@@ -55,6 +59,7 @@ class Client {
   void handle(uint16_t topic, const Now &now);
   void topics_requested(const Now &now);
   void time_answered(const Now &now);
+  void host_heard();
   void disconnect();
   void tell(const Now &now);
   void request_time(const Now &now);
@@ -75,6 +80,7 @@ class Client {
   uint8_t unanswered_ = 0;     // questions for the time
   uint8_t board_refused_ = 0;  // times that the host asked for the topics right after a message on `board`
   uint8_t telling_ = NOTHING;  // index of the topic that is told next
+  bool unasked_ = false;  // the topics are or were told so, and no host has been heard since
   bool configured_ = false;
   uint8_t responses_ = 0;
   uint8_t hits_waiting_ = 0;
