@@ -32,8 +32,8 @@ class Client {
   // Does what is due: answers a topic request, asks for the time, sends waiting messages. Never waits for the UART.
   void spin(const Now &now);
 
-  // Tells the topics though nobody has asked: a host may not know that the device has started again. Whether there is one
-  // is known when it answers the question for the time.
+  // Tells the topics though nobody has asked: a host may not know that the device has started again. Whether there is
+  // one is known when it answers the question for the time.
   void announce() {
     telling_ = 0;
     unasked_ = true;
@@ -80,7 +80,7 @@ class Client {
   uint8_t unanswered_ = 0;     // questions for the time
   uint8_t board_refused_ = 0;  // times that the host asked for the topics right after a message on `board`
   uint8_t telling_ = NOTHING;  // index of the topic that is told next
-  bool unasked_ = false;  // the topics are or were told so, and no host has been heard since
+  bool unasked_ = false;       // the topics are or were told so, and no host has been heard since
   bool configured_ = false;
   uint8_t responses_ = 0;
   uint8_t hits_waiting_ = 0;
