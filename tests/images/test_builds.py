@@ -44,8 +44,8 @@ def bake(sources: Path, tag: str, **variables: str) -> float:
 def checkout(tmp_path: Path) -> Path:
     """The sources as somebody else has them: of today, and closed to others (umask 077)."""
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    for name in [*listed.splitlines(), *map(str, (ROOT / "server/static/bundle").glob("*.js*"))]:
-        source = ROOT / name
+    bundle = (path for path in (ROOT / "server/static/bundle").rglob("*") if path.is_file())
+    for source in [*(ROOT / name for name in listed.splitlines()), *bundle]:
         target = tmp_path / source.relative_to(ROOT)
         target.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         shutil.copyfile(source, target)
