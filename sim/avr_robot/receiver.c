@@ -81,8 +81,11 @@ static avr_cycle_count_t something_is_due(avr_t *avr, avr_cycle_count_t when, vo
 	(void)when;
 	while (receiver->edges_length > 0 && receiver->edges[receiver->edges_length - 1].due <= avr->cycle) {
 		const struct seen_edge edge = receiver->edges[--receiver->edges_length];
-		receiver->sources[edge.source].on = edge.on;
-		receiver->sources[edge.source].on_since = avr->cycle;
+		struct light_source *source = &receiver->sources[edge.source];
+
+		source->waiting--;
+		source->on = edge.on;
+		source->on_since = avr->cycle;
 	}
 	while (receiver->lamp && receiver->lamp_due <= avr->cycle) {
 		receiver->lamp_phase = !receiver->lamp_phase;
@@ -94,10 +97,12 @@ static avr_cycle_count_t something_is_due(avr_t *avr, avr_cycle_count_t when, vo
 
 static void insert(struct receiver *receiver, struct seen_edge edge)
 {
+	struct light_source *source = &receiver->sources[edge.source];
 	size_t at = receiver->edges_length;
 
-	if (at == SEEN_EDGES)
-		return; /* a source that nobody can follow */
+	if (source->waiting == SOURCE_EDGES)
+		return; /* nobody can follow it, and the others shall not suffer */
+	source->waiting++;
 	while (at > 0 && receiver->edges[at - 1].due <= edge.due)
 		at--;
 	memmove(receiver->edges + at + 1, receiver->edges + at, (receiver->edges_length - at) * sizeof edge);

@@ -23,7 +23,8 @@ struct avr_int_vector_t;
 
 enum {
 	LIGHT_SOURCES = 16, /* that the arena can have */
-	SEEN_EDGES = 256,   /* two seconds of a robot that shoots, or three frames of a remote control */
+	SOURCE_EDGES = 80,  /* of one source that wait to be seen: a frame of a remote control has 68 */
+	SEEN_EDGES = LIGHT_SOURCES * SOURCE_EDGES,
 };
 
 /* An edge that is still to be seen. */
@@ -38,6 +39,7 @@ struct light_source {
 	uint64_t known;  /* and until when it is known that no other has followed */
 	uint64_t shift;  /* from its time to ours, modulo 2^64 */
 	uint64_t ready;  /* cycle at which its newest edge is seen */
+	size_t waiting;  /* edges that are still to be seen */
 	bool heard;      /* there is a newest edge */
 	bool told;       /* whether it was a start */
 	bool on;         /* as it is seen */

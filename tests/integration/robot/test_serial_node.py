@@ -85,7 +85,10 @@ def test_of_the_commands_that_come_while_the_line_takes_nothing_the_newest_follo
     with device.clogged():
         publish(start, "/Robot32/command", "1 0 0  1 1 0  1 -1 1", count=3).wait_for("published")
     until(lambda: NEUTRAL in device.received)
-    assert device.commands() == [b"\x01\0\0", b"\x01\xff\x01", b"\0\0\0"]
+    written = device.commands()
+    assert b"\x01\x01\0" not in written
+    # on a busy machine the line is free only when the newest command is too old, and neutral has taken its place
+    assert written in ([b"\x01\0\0", b"\x01\xff\x01", b"\0\0\0"], [b"\x01\0\0", b"\0\0\0"])
 
 
 def test_a_device_that_takes_no_command_ends_the_node_with_an_error(start: Start, device: Device) -> None:
