@@ -1,6 +1,8 @@
 // The tables of ../docs/protocol-light.md: what the firmware, the simulator and the Pi's side have to agree on.
 #pragma once
 
+#include <stdint.h>
+
 #include <map>
 #include <string>
 #include <vector>
