@@ -194,9 +194,10 @@ class Bridge:
             self._perform(client, client.settled(topic, self._loop.time()))
 
     def _replay(self, client: Client | None, topic: str) -> None:
-        self._start(self._settle(client, topic))
         message_type = self._graph.type_of(topic)
-        assert message_type is not None
+        if message_type is None:
+            return  # these were the last words of a client that is gone: what closes the topic follows at once
+        self._start(self._settle(client, topic))
         for data in self._ros.latched(topic):
             told = self._gate.public(data) if topic == GAME_STATUS else data
             message = Delivery(message_type, told, self._clock.nanoseconds())

@@ -73,6 +73,31 @@ def test_what_one_publishes_all_subscribers_get_until_they_unsubscribe(client: C
     assert second.hears_nothing()
 
 
+def test_the_last_words_of_a_client_that_is_gone_keep_nothing_from_others(
+    ros_master: RosMaster, client: Connect
+) -> None:
+    """They wait for the topic's type, which is asked for in ROS, while the client goes."""
+    planner = RospyPeer("planner2", ros_master.env)
+    try:
+        planner.do("advertise", "/route", True)
+        planner.do("publish", "/route", "there")
+        hasty, heir = client().operate(), client().operate()
+        hasty.say("advertise_service", service="/plan", type="std_srvs/Empty")
+        for number in range(2):
+            hasty.say("subscribe", topic="/route", id=f"subscribe:/route:{number}")
+        hasty.close()
+
+        def inherits() -> bool:
+            heir.say("advertise_service", service="/plan", type="std_srvs/Empty", id="plan")
+            return heir.hears_nothing_for_now()
+
+        until(inherits, 10, "another client offers the service")
+        heir.say("subscribe", topic="/route")
+        assert heir.hear()["msg"] == {"data": "there"}
+    finally:
+        planner.close()
+
+
 def test_a_client_that_subscribes_and_asks_hears_the_answer(ros_master: RosMaster, client: Connect) -> None:
     """As action clients do, by goal and feedback; rosbridge has gone on publishing the question since the last one."""
     echo = Program.python("tests.integration.rosbridge.echo_node", env=ros_master.env)
