@@ -10,7 +10,7 @@ from server.settings import Settings
 from server.store.results import Results
 from server.web import operator_api
 from server.web.api import cookie_session, create_api, reply
-from server.web.assets import asset, with_assets
+from server.web.assets import asset, compress_page, with_assets
 from server.web.hosts import request_host, with_valid_host
 from server.web.results import create_results
 from server.web.words import add_words
@@ -76,7 +76,8 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
         headers["X-Content-Type-Options"] = "nosniff"
         headers["Referrer-Policy"] = "same-origin"
         headers["Cache-Control"] = "no-store"
-        return response
+        # what pages ask for all the time would cost more to compress than it saves
+        return response if request.blueprint == api.name else compress_page(response)
 
     @app.errorhandler(HTTPException)
     def explain(error: HTTPException) -> Response:

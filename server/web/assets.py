@@ -1,16 +1,19 @@
-"""What browsers get besides pages: server/static/bundle, made by server/static/build.mjs, under names that carry a
-hash of the content, so that a browser asks for each file once."""
+"""How browsers get pages, compressed, and what pages load: server/static/bundle, made by server/static/build.mjs, under
+names that carry a hash of the content, so that a browser asks for each file once."""
 
+import gzip
 import json
 from functools import cache
 from pathlib import Path
 from wsgiref.types import WSGIApplication
 
+from flask import Response, request
 from whitenoise import WhiteNoise
 
 _BUNDLE = Path(__file__).resolve().parents[1] / "static" / "bundle"
 _PREFIX = "/static/"
 _HASHED = r"-[0-9A-Z]{8}\."
+_LEVEL = 6  # of gzip: a page takes half a millisecond, and level 9 makes it no smaller
 
 
 @cache
@@ -42,3 +45,13 @@ def with_assets(application: WSGIApplication) -> WSGIApplication:
         add_headers_function=add_headers,
     )
     return files
+
+
+def compress_page(response: Response) -> Response:
+    """The response; a page at a third of its size for browsers that read gzip."""
+    if response.mimetype == "text/html":
+        response.vary.add("Accept-Encoding")
+        if request.accept_encodings["gzip"] and not response.direct_passthrough:
+            response.set_data(gzip.compress(response.get_data(), _LEVEL))
+            response.content_encoding = "gzip"
+    return response

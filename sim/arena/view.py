@@ -2,6 +2,7 @@
 
 import asyncio
 import contextlib
+import hashlib
 import json
 import logging
 import socket
@@ -22,12 +23,19 @@ MAX_UNSENT = 16_384  # bytes on the way to one viewer; more would be old states
 SEND_SECONDS = 5.0  # for one message; a viewer that takes longer is gone
 STATIC = Path(__file__).resolve().parents[1] / "static"
 HEADERS = {
-    "Cache-Control": "no-cache",  # browsers ask whether their copy is current: an update of the arena shows at once
+    "Cache-Control": "no-cache",  # an update of the arena shows at once
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "same-origin",
 }
+KEPT = {"Cache-Control": "public, max-age=31536000, immutable"}
 
 _log = logging.getLogger(__name__)
+
+
+def _files() -> str:
+    """Where the page finds its files. Their content gives the name, so that browsers may keep what is below it."""
+    content = b"".join(path.read_bytes() for path in sorted(STATIC.iterdir()))
+    return f"/static/{hashlib.sha256(content).hexdigest()[:8]}/"
 
 
 def arena_message(world: World) -> dict[str, Any]:
@@ -71,7 +79,9 @@ class View:
         """Pages find the game's rosbridge at `rosbridge_port` of the host that they came from."""
         self._world = world
         self._rosbridge_port = rosbridge_port
-        self._page_text = (STATIC / "arena.html").read_text().replace("{{ rosbridge_port }}", str(rosbridge_port))
+        self._files = _files()
+        page = (STATIC / "arena.html").read_text()
+        self._page_text = page.replace("{{ rosbridge_port }}", str(rosbridge_port)).replace("{{ files }}", self._files)
         self._viewers = Viewers()
         self._open: set[web.WebSocketResponse] = set()
         self._newest = ""
@@ -81,7 +91,7 @@ class View:
         app = web.Application(middlewares=[self._with_headers])
         app.router.add_get("/", self._page)
         app.router.add_get("/view", self._view)
-        app.router.add_static("/static/", STATIC)
+        app.router.add_static(self._files, STATIC)
         app.cleanup_ctx.append(self._run_clock)
         app.on_shutdown.append(self._say_goodbye)  # type: ignore[arg-type]  # typed for an older aiosignal
         return app
@@ -100,8 +110,11 @@ class View:
         except web.HTTPException as refusal:
             refusal.headers.update(headers)
             raise
-        if not response.prepared:
+        if not response.prepared:  # is no WebSocket
             response.headers.update(headers)
+            if request.path.startswith(self._files):
+                response.headers.update(KEPT)
+            response.enable_compression()  # page and scripts take a third of their size
         return response
 
     async def _say_goodbye(self, _app: web.Application) -> None:

@@ -9,11 +9,11 @@ import math
 import statistics
 import threading
 import time
-from collections.abc import Callable
 
 from playwright.sync_api import Page, ViewportSize, sync_playwright
 
 from tests.browser.conftest import FLAGS
+from tests.browser.weight import Weight
 from tests.support.battle import Battle
 from tests.support.polling import until
 
@@ -73,23 +73,6 @@ class Crowd:
             writer.close()
 
 
-def weigh(page: Page, load: Callable[[], object]) -> int:
-    """Bytes on the wire while `load` fills the page."""
-    weight = 0
-
-    def count(event: dict[str, float]) -> None:
-        nonlocal weight
-        weight += int(event["encodedDataLength"])
-
-    session = page.context.new_cdp_session(page)
-    session.send("Network.enable")
-    session.on("Network.loadingFinished", count)
-    load()
-    page.wait_for_load_state("networkidle")
-    session.detach()
-    return weight
-
-
 def enter(page: Page) -> None:
     page.locator("#username").press("Enter")
     page.wait_for_url("**/home")
@@ -100,11 +83,14 @@ def main() -> None:
         battle.wait_until_ready()
         browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
         page = browser.new_context(viewport=SIZE).new_page()
-        weight = weigh(page, lambda: page.goto(battle.web))
-        print(f"login page: {weight / 1000:.0f} kB")
+        weight = Weight(page)
+        page.goto(battle.web)
+        page.wait_for_load_state("networkidle")
+        print(f"login page: {weight.bytes / 1000:.0f} kB")
         page.locator("#username").fill("Ann")
-        weight = weigh(page, lambda: enter(page))
-        print(f"to the first playable picture, after the login page: {weight / 1000:.0f} kB (budget 150 with it)")
+        enter(page)
+        page.wait_for_load_state("networkidle")
+        print(f"to the first playable picture: {weight.bytes / 1000:.0f} kB (goal 150)")
         with Crowd(battle.ports["LASERBOT_ARENA_LINK_PORT"], EXTRAS):
             page.locator("#ready-btn").click()
             until(lambda: page.locator("body").get_attribute("data-phase") == "playing", 60, "the battle")

@@ -7,6 +7,7 @@ import pytest
 from playwright.sync_api import Browser, Page, expect
 
 from tests.browser.people import Person
+from tests.browser.weight import Weight
 from tests.support.battle import Battle, Paused
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
@@ -32,6 +33,22 @@ def battle() -> Iterator[Battle]:
 def dialog_of(page: Page) -> str:
     """The text of the open dialog, waited for; read at sight, for some are gone in a moment."""
     return str(page.wait_for_function("() => document.querySelector('dialog[open]')?.innerText").json_value())
+
+
+def test_a_newcomer_plays_after_150_kilobytes(chromium: Browser, battle: Battle) -> None:
+    with chromium.new_context() as context:
+        page = context.new_page()
+        weight = Weight(page)
+        page.goto(battle.web)
+        page.wait_for_load_state("networkidle")
+        assert 30_000 < weight.bytes < 100_000  # the arena behind it, too
+        page.locator("#username").fill("Ann")
+        page.locator("#username").press("Enter")
+        page.wait_for_url("**/home")
+        expect(page.locator("#ready-btn")).to_be_visible()
+        page.wait_for_load_state("networkidle")
+        assert weight.bytes < 150_000
+        context.request.post(f"{battle.web}/signOutUser", form={"data": "Ann"})
 
 
 def test_a_click_changes_the_avatar_and_others_see_it(person: Callable[[str], Person], battle: Battle) -> None:

@@ -1,13 +1,13 @@
 // The rosbridge rim: one WebSocket that comes back by itself. Nothing is ever queued: what cannot be sent now is dropped.
 
-import { Ros, Topic, WebSocketTransportFactory } from "roslib";
 import { isNeutral } from "./keys.js";
 
+const STATE = "/game_status";
 const RETRY = 1000; // ms from a lost connection to the next attempt
 const SILENCE = 4000; // ms; the state is published every 500 ms, so such a connection is half-open
 const BACKLOG = 1024; // bytes not yet on the wire: about five commands, 125 ms
 const PROBE = 2000; // ms between two measurements of the way to rosbridge and back
-const PROBE_ID = "round-trip"; // of the service call that measures it; no call of roslib's has such an id
+const PROBE_ID = "round-trip"; // of the service call that measures it
 const SIGN_IN = 1000; // ms that commands wait for the ticket; with a cookie they may pass without it
 
 /** Subscribes to /game_status, signs in and publishes commands. */
@@ -18,11 +18,10 @@ export class Connection {
   #onRefusal;
   #onRoundTrip;
   #getTicket;
-  #ros = null;
+  #socket = null;
   #up = false;
   #mayPublish = false; // not before it is said whose commands they are
-  #socket = null;
-  #commands = null; // { robot, topic } of this connection
+  #advertised = null; // the topic of this connection's commands
   #timer = null;
   #prober = null;
   #probedAt = null; // ms, while an answer is awaited
@@ -68,66 +67,58 @@ export class Connection {
   publish(robot, command) {
     if (!this.#mayPublish) return false;
     if (this.#socket.bufferedAmount > BACKLOG && !isNeutral(command)) return false;
-    if (this.#commands?.robot !== robot) {
-      this.#commands = { robot, topic: this.#topic(`/Robot${robot}/command`, "laser_bot_battle/Robot_msg") };
+    const topic = `/Robot${robot}/command`;
+    if (this.#advertised !== topic) {
+      this.#advertised = topic;
+      this.#say({ op: "advertise", id: `advertise:${topic}`, topic, type: "laser_bot_battle/Robot_msg" });
     }
-    this.#commands.topic.publish(command);
+    this.#say({ op: "publish", id: `publish:${topic}`, topic, msg: command });
     return true;
   }
 
   /** The right to publish has ended; the next battle advertises again. */
   unadvertise() {
-    if (this.#up) this.#commands?.topic.unadvertise();
-    this.#commands = null;
+    if (this.#advertised) this.#say({ op: "unadvertise", topic: this.#advertised });
+    this.#advertised = null;
   }
 
   /** Say whose page this is: the cookie does not always come along with a WebSocket. */
   async signIn() {
-    const ros = this.#ros;
+    const socket = this.#socket;
     const session = await this.#getTicket().catch(() => null);
-    if (session && this.#up && ros === this.#ros) ros.authenticate(session.ticket, session.user, "", "", 0, "", 0);
+    if (!session || !this.#up || socket !== this.#socket) return;
+    const unused = { dest: "", rand: "", t: 0, level: "", end: 0 };
+    this.#say({ op: "auth", mac: session.ticket, client: session.user, ...unused });
   }
 
-  #topic(name, messageType) {
-    return new Topic({ ros: this.#ros, name, messageType, reconnect_on_close: false });
+  #say(operation) {
+    this.#socket.send(JSON.stringify(operation));
   }
 
   #connect() {
-    // a new Ros for each attempt: roslib would play what an old one has queued
-    const ros = new Ros({
-      transportFactory: async (url) => {
-        const transport = await WebSocketTransportFactory(url);
-        this.#socket = transport.socket; // its bufferedAmount tells a slow network
-        transport.on("message", (message) => ros === this.#ros && this.#hear(message));
-        return transport;
-      },
-    });
-    this.#ros = ros;
-    ros.on("connection", () => {
-      this.#topic("/game_status", "laser_bot_battle/GameStatus").subscribe((message) => {
-        this.#retryIn(SILENCE);
-        this.#onStatus(message);
-      });
-      this.#retryIn(SILENCE);
-      this.#setUp(true);
-      const timeout = new Promise((resolve) => setTimeout(resolve, SIGN_IN));
-      Promise.race([this.signIn(), timeout]).then(() => {
-        if (ros !== this.#ros) return;
-        this.#mayPublish = true;
-        if (!this.#onRoundTrip) return;
-        this.#probe();
-        this.#prober = setInterval(() => this.#probe(), PROBE);
-      });
-    });
-    ros.on("close", () => {
+    const socket = new WebSocket(this.#url);
+    this.#socket = socket;
+    socket.addEventListener("open", () => socket === this.#socket && this.#begin());
+    socket.addEventListener("message", ({ data }) => socket === this.#socket && this.#hear(JSON.parse(data)));
+    socket.addEventListener("close", () => {
+      if (socket !== this.#socket) return;
       this.#drop();
       this.#retryIn(RETRY);
     });
     this.#retryIn(SILENCE); // for a network that does not even refuse
-    ros.connect(this.#url).then(
-      () => ros !== this.#ros && ros.close(), // dropped meanwhile
-      (error) => console.error(`rosbridge at ${this.#url}:`, error),
-    );
+  }
+
+  async #begin() {
+    const socket = this.#socket;
+    this.#say({ op: "subscribe", id: `subscribe:${STATE}`, topic: STATE, type: "laser_bot_battle/GameStatus" });
+    this.#retryIn(SILENCE);
+    this.#setUp(true);
+    await Promise.race([this.signIn(), new Promise((resolve) => setTimeout(resolve, SIGN_IN))]);
+    if (socket !== this.#socket) return;
+    this.#mayPublish = true;
+    if (!this.#onRoundTrip) return;
+    this.#probe();
+    this.#prober = setInterval(() => this.#probe(), PROBE);
   }
 
   /** Ask rosbridge the time: what comes back goes the way of the commands. */
@@ -138,17 +129,19 @@ export class Connection {
       return;
     }
     this.#probedAt = now;
-    this.#ros.callOnConnection({ op: "call_service", id: PROBE_ID, service: "/rosapi/get_time", args: {} });
+    this.#say({ op: "call_service", id: PROBE_ID, service: "/rosapi/get_time", args: {} });
   }
 
-  /** Statuses, which roslib tells only to who knows their ids: those of commands begin as roslib makes them. */
-  #hear({ op, level, id, msg }) {
-    if (op === "service_response" && id === PROBE_ID && this.#probedAt !== null) {
+  #hear({ op, topic, level, id, msg }) {
+    if (op === "publish" && topic === STATE) {
+      this.#retryIn(SILENCE);
+      this.#onStatus(msg);
+    } else if (op === "service_response" && id === PROBE_ID && this.#probedAt !== null) {
       this.#onRoundTrip(performance.now() - this.#probedAt);
       this.#probedAt = null;
+    } else if (op === "status" && level === "error" && /^(publish|advertise):/.test(id)) {
+      this.#onRefusal(msg);
     }
-    const isOfCommand = typeof id === "string" && /^(publish|advertise):\/Robot/.test(id);
-    if (op === "status" && level === "error" && isOfCommand) this.#onRefusal(msg);
   }
 
   /** Connect again unless something arrives within `ms`. */
@@ -166,11 +159,9 @@ export class Connection {
     clearTimeout(this.#timer);
     clearInterval(this.#prober);
     this.#probedAt = null;
-    this.#ros?.removeAllListeners();
-    this.#ros?.close();
-    this.#ros = null;
+    this.#socket?.close();
     this.#socket = null;
-    this.#commands = null;
+    this.#advertised = null;
     this.#mayPublish = false;
     this.#setUp(false);
   }

@@ -1,5 +1,6 @@
 """The arena's public view on real sockets, and the arena as a program."""
 
+import gzip
 import json
 import signal
 import socket
@@ -63,15 +64,34 @@ def test_what_a_viewer_says_does_not_matter(arena: Arena, junk: str | bytes) -> 
     assert arena.look() == {}
 
 
+@pytest.mark.parametrize("file", ["", "arena.js", "arena.css"])
+def test_files_are_compressed_for_browsers_that_can_read_that(arena: Arena, file: str) -> None:
+    address = arena.files + file if file else arena.page
+    plain = requests.get(address, headers={"Accept-Encoding": "identity"}, timeout=5)
+    small = requests.get(address, headers={"Accept-Encoding": "gzip"}, timeout=5, stream=True)
+    assert "Content-Encoding" not in plain.headers
+    assert small.headers["Content-Encoding"] == "gzip"
+    wire = small.raw.read(decode_content=False)
+    assert len(wire) < len(plain.content) * 0.6
+    assert gzip.decompress(wire) == plain.content
+
+
+def test_browsers_keep_files_until_an_update_gives_them_another_address(arena: Arena) -> None:
+    assert requests.get(arena.page, timeout=5).headers["Cache-Control"] == "no-cache"
+    kept = requests.get(arena.files + "arena.js", timeout=5).headers["Cache-Control"]
+    assert "immutable" in kept
+    older = arena.files.replace(arena.files[-9:], "00000000/")
+    assert requests.get(older + "arena.js", timeout=5).status_code == 404
+
+
 def test_the_page_and_all_its_files_are_served(arena: Arena) -> None:
-    base = f"http://{HOST}:{arena.view_port}"
-    page = requests.get(base + "/", timeout=5)
+    page = requests.get(arena.page, timeout=5)
     assert page.headers["Content-Type"].startswith("text/html")
     assert "No robot on the floor yet" in page.text
     for file in ("arena.css", "arena.js", "icon.svg", "scene.js", "players.js"):
-        assert requests.get(f"{base}/static/{file}", timeout=5).status_code == 200
-    assert requests.get(f"{base}/static/../arena/__main__.py", timeout=5).status_code == 404
-    assert requests.get(f"{base}/nowhere", timeout=5).status_code == 404
+        assert requests.get(arena.files + file, timeout=5).status_code == 200
+    assert requests.get(f"{arena.files}../arena/__main__.py", timeout=5).status_code == 404
+    assert requests.get(f"{arena.page}nowhere", timeout=5).status_code == 404
 
 
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])

@@ -55,6 +55,23 @@ def test_each_browser_gets_the_smallest_file_that_it_can_read(browser):
     assert sizes["br"] < sizes["gzip"] < sizes[None]
 
 
+def test_pages_are_compressed_for_browsers_that_can_read_that(browser):
+    plain = browser.get("/home")
+    small = browser.get("/home", headers={"Accept-Encoding": "gzip, deflate, br"})
+    assert "Content-Encoding" not in plain.headers
+    assert small.headers["Content-Encoding"] == "gzip"
+    assert small.headers["Vary"] == plain.headers["Vary"] == "Accept-Encoding"
+    assert gzip.decompress(small.data) == plain.data
+    assert len(small.data) == int(small.headers["Content-Length"]) < len(plain.data) / 2
+    refused = browser.get("/home", headers={"Accept-Encoding": "gzip;q=0"})
+    assert refused.data == plain.data
+
+
+def test_answers_to_pages_and_robots_stay_plain(browser):
+    answer = browser.post("/updateGameStatus", headers={"Accept-Encoding": "gzip"})
+    assert "Content-Encoding" not in answer.headers
+
+
 def test_every_file_that_a_page_names_is_there(browser):
     for path in ("/", "/home", "/about", "/results", "/operator", "/nothing"):
         for part in browser.get(path).text.split('"'):
