@@ -17,6 +17,7 @@ class Rules:
     teams: int = variables.TEAMS.default  # 0: everybody fights alone
     friendly_fire: bool = variables.FRIENDLY_FIRE.default
     light_damage: bool = variables.LIGHT_DAMAGE.default  # a coded hit takes what its code says
+    hide_cameras: bool = variables.HIDE_CAMERAS.default  # from spectators, while a battle runs
     countdown: float = variables.COUNTDOWN.default
     battle_limit: float = variables.BATTLE_LIMIT.default
     player_timeout: float = variables.PLAYER_TIMEOUT.default  # a fighter's page that is silent for so long has gone
@@ -42,6 +43,7 @@ DECLARED: Mapping[str, Variable[Any]] = {
     "teams": variables.TEAMS,
     "friendly_fire": variables.FRIENDLY_FIRE,
     "light_damage": variables.LIGHT_DAMAGE,
+    "hide_cameras": variables.HIDE_CAMERAS,
     "countdown": variables.COUNTDOWN,
     "battle_limit": variables.BATTLE_LIMIT,
     "player_timeout": variables.PLAYER_TIMEOUT,

@@ -24,6 +24,7 @@ def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
         result=state.result,
         teams=state.teams if state.game is Game.PLAYING else rules.teams,
         coded=rules.is_coded,
+        hide_cameras=rules.hide_cameras,
         damage=rules.hit_damage,
         happened=state.happened,
     )

@@ -79,6 +79,7 @@ class Snapshot:
     result: tuple[Placing, ...]  # of the last battle, best first; empty from the next countdown on
     teams: int  # of the running battle, or of the next one; 0: everybody fights alone
     coded: bool  # the light tells who has shot
+    hide_cameras: bool  # from spectators, while a battle runs
     damage: int  # life that a shot is to take
     happened: tuple[Happening, ...]  # in the running or the last battle, the newest last
 

@@ -34,6 +34,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
         practice=snapshot.practice,
         teams=snapshot.teams,
         coded=snapshot.coded,
+        hide_cameras=snapshot.hide_cameras,
         queue=[waiter.name for waiter in snapshot.queue],
         users=[
             UserStatus(

@@ -53,5 +53,12 @@ def rules(**knobs: object) -> Rules:
 
 def test_the_rules_of_the_battle_reach_the_server() -> None:
     assert rules() == Rules()
-    changed = {"hit_damage": 20, "light": "coded", "teams": 2, "friendly_fire": True, "light_damage": True}
+    changed = {
+        "hit_damage": 20,
+        "light": "coded",
+        "teams": 2,
+        "friendly_fire": True,
+        "light_damage": True,
+        "hide_cameras": True,
+    }
     assert rules(**{f"master_{rule}": value for rule, value in changed.items()}) == Rules(**changed)  # type: ignore[arg-type]

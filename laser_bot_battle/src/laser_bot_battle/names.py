@@ -13,10 +13,13 @@ MASTER_HOST_ALIAS = "laser-bot-master.local"  # DNS proper knows no underscores
 WEB_PORT = 5000
 ROSBRIDGE_PORT = 9090
 ROS_PORT = 11311
+RELAY_PORT = 9091  # of the cameras' relay
+CAMERA_STREAM_PORT = 8090  # on a robot
 
 SERVER_NODE = "robots_server"
 ROSBRIDGE_NODE = "rosbridge_websocket"
 ROSAPI_NODE = "rosapi"
+RELAY_NODE = "camera_relay"
 POSITIONS_NODE = "arena_positions"
 ADD_NEW_ROBOT = "/add_new_robot"
 GAME_STATUS = "/game_status"
@@ -68,6 +71,11 @@ def health_topic(robot_id: int) -> str:
 
 def identify_topic(robot_id: int) -> str:
     return f"/{robot_node(robot_id)}/identify"
+
+
+def camera_parameter(robot_id: int) -> str:
+    """The ROS parameter that tells where the robot's camera is: http://host:port/path."""
+    return f"/{robot_node(robot_id)}/camera"
 
 
 def client_name(robot_name: str) -> str:

@@ -9,7 +9,15 @@ import re
 from pathlib import Path
 
 from laser_bot_battle.announcement import MAX_OWN_NAME
-from laser_bot_battle.names import ROBOT_IDS, ROS_PORT, ROSBRIDGE_PORT, WEB_PORT, client_name
+from laser_bot_battle.names import (
+    CAMERA_STREAM_PORT,
+    RELAY_PORT,
+    ROBOT_IDS,
+    ROS_PORT,
+    ROSBRIDGE_PORT,
+    WEB_PORT,
+    client_name,
+)
 from laser_bot_battle.settings import (
     LOG_LEVELS,
     Variable,
@@ -66,6 +74,19 @@ def _origins(text: str) -> tuple[str, ...]:
     return origins
 
 
+def _size(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", text)
+    if not match:
+        raise ValueError("must be width x height, such as 640x480")
+    return int(match[1]), int(match[2])
+
+
+def _camera_url(text: str) -> str:
+    if not re.fullmatch(r"http://[^/\s]+:[0-9]{1,5}(/[\w/.-]*)?", text):
+        raise ValueError("must be http://host:port or http://host:port/path")
+    return text.rstrip("/")
+
+
 def _arena(text: str) -> str:
     too_long = len(text.encode("utf-8", "replace")) > MAX_OWN_NAME
     if not text.isprintable() or "." in text or text.startswith("_") or too_long:
@@ -87,6 +108,13 @@ BIND = words(
 )
 WEB = port("LASERBOT_WEB_PORT", WEB_PORT, "the game's pages")
 ROSBRIDGE = port("LASERBOT_ROSBRIDGE_PORT", ROSBRIDGE_PORT, "rosbridge's WebSocket")
+RELAY = port("LASERBOT_RELAY_PORT", RELAY_PORT, "where browsers get the pictures of the robots' [cameras](cameras.md)")
+RELAY_VIEWERS = whole(
+    "LASERBOT_RELAY_VIEWERS", 200, 1, 10_000, "people who may look through cameras at once; one more is refused"
+)
+RELAY_RATE = whole(
+    "LASERBOT_RELAY_RATE", 200, 1, 10_000, "Mbit/s of all pictures together; beyond it spectators get fewer of them"
+)
 VIEW = optional_port(
     "LASERBOT_VIEW_PORT",
     "port on the master where the player's page finds a view of the arena to show",
@@ -115,6 +143,9 @@ TEAMS: Variable[int] = Variable(
 )
 FRIENDLY_FIRE = flag("LASERBOT_FRIENDLY_FIRE", "1: shots of the own team count, too")
 LIGHT_DAMAGE = flag("LASERBOT_LIGHT_DAMAGE", "1: a hit by coded light takes what its code says, not the usual damage")
+HIDE_CAMERAS = flag(
+    "LASERBOT_HIDE_CAMERAS", "1: while a battle runs, spectators do not see through the robots' [cameras](cameras.md)"
+)
 COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
 BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then the most life wins")
 PLAYER_TIMEOUT = number(
@@ -199,7 +230,28 @@ LED: Variable[int | None] = Variable(
     _gpio,
     "18",
 )
-CAMERA = words("LASERBOT_CAMERA", "", "camera that compose gives to a robot: `/dev/video0`")
+CAMERA = words(
+    "LASERBOT_CAMERA",
+    "",
+    "a robot's [camera](cameras.md): its device, such as `/dev/video0`, or `libcamera` for the Raspberry Pi's own",
+)
+CAMERA_SIZE: Variable[tuple[int, int]] = Variable(
+    "LASERBOT_CAMERA_SIZE", (640, 480), "width and height of its pictures", _size, "640x480"
+)
+CAMERA_RATE = whole("LASERBOT_CAMERA_RATE", 20, 1, 60, "pictures a second")
+CAMERA_QUALITY = whole(
+    "LASERBOT_CAMERA_QUALITY", 80, 1, 100, "quality of the JPEGs, where the camera does not make them itself"
+)
+CAMERA_PORT = port(
+    "LASERBOT_CAMERA_PORT", CAMERA_STREAM_PORT, "on a robot, where the master gets the camera's pictures"
+)
+CAMERA_URL: Variable[str] = Variable(
+    "LASERBOT_CAMERA_URL",
+    "",
+    "where this robot's pictures are, if another program has them: `http://host:port/path`",
+    _camera_url,
+    "none",
+)
 GPIO = words("LASERBOT_GPIO", "", "GPIO device that compose gives to a robot: `/dev/gpiochip0`")
 GPIO_GROUP = words("LASERBOT_GPIO_GROUP", "", "number of the group that may use the GPIO: `getent group gpio`")
 ALIVE_FILE = words(

@@ -142,6 +142,7 @@ const RULE_NAMES = {
   teams: "desk.rule_teams",
   friendly_fire: "desk.rule_friendly_fire",
   light_damage: "desk.rule_light_damage",
+  hide_cameras: "desk.rule_hide_cameras",
 };
 
 /** A rule's name for people. */

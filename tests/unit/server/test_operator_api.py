@@ -529,7 +529,7 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
         "name", "robot", "life", "ready", "avatar", "team", "shots", "hits", "kills", "seat_left", "page_age",
     }  # fmt: skip
     assert state["queue"] == [{"name": "dee", "place": 1, "offer": None, "seconds": pytest.approx(185)}]
-    assert len(state["rules"]) == 14
+    assert len(state["rules"]) == 15
     assert state["database"]["problem"] == ""
     assert state["versions"].keys() == {"laserbot", "python", "ros", "database"}
     assert state["versions"]["database"].startswith("sqlite 3.")
