@@ -29,6 +29,7 @@ with missing_explained():
     from laser_bot_battle.master import Master, MasterWatch
     from laser_bot_battle.ros_environment import ros_environment
     from laser_bot_battle.settings import describe
+    from robot.camera_address import tell_camera
     from robot.find_arduino import ArduinoLostError, find_arduino
     from robot.health import HealthThread
     from robot.private_parameters import BadParameterError, PrivateParameters
@@ -57,6 +58,9 @@ def main() -> int:
             variables.ROS_MASTER_URI,
             variables.SERIAL,
             variables.PRIORITY,
+            variables.CAMERA,
+            variables.CAMERA_PORT,
+            variables.CAMERA_URL,
             variables.LOG_LEVEL,
         ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -89,6 +93,7 @@ def main() -> int:
         _log.error("ROS master %s does not answer: %s", uri, error)
         return 1
     try:
+        tell_camera(settings, master)
         parameters = PrivateParameters(sys.argv, master)
         device = arguments.device or parameters.text("port") or find_arduino(settings.devices)
         with SerialPort(device, parameters.whole("baud", BAUDRATE)) as port:

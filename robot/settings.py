@@ -21,6 +21,9 @@ class Settings:
     retry: float  # s between attempts
     led: int | None  # GPIO of the status LED, None if the robot has none
     priority: int  # real-time, 0 for none
+    camera: str  # "" if the robot has none
+    camera_port: int  # on this robot, of its pictures
+    camera_url: str  # where they are instead, or ""
     log_level: str
 
     @classmethod
@@ -34,6 +37,9 @@ class Settings:
             retry=variables.RETRY.read(env),
             led=variables.LED.read(env),
             priority=variables.PRIORITY.read(env),
+            camera=variables.CAMERA.read(env),
+            camera_port=variables.CAMERA_PORT.read(env),
+            camera_url=variables.CAMERA_URL.read(env),
             log_level=variables.LOG_LEVEL.read(env),
         )
 

@@ -1,0 +1,132 @@
+"""The robot's camera: `python3 -m robot.camera` runs ustreamer and lets the master to its pictures (docs/cameras.md).
+
+Ends with 0 on SIGINT or SIGTERM, with 1 when ustreamer ends or the port cannot be had, and with 2 for an impossible
+setting: whoever started it starts it again.
+"""
+
+import argparse
+import asyncio
+import logging
+import os
+import shutil
+import signal
+import socket
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from laser_bot_battle import alive, variables
+from laser_bot_battle.announcement import NoArenaError
+from laser_bot_battle.log import configure_logging
+from laser_bot_battle.place import locate
+from laser_bot_battle.settings import describe, read_or_exit
+from robot.camera_door import Door
+from robot.camera_settings import VARIABLES, CameraSettings
+
+_log = logging.getLogger(__name__)
+
+PROGRAM = "robot.camera"
+KNOWN_FOR = 5.0  # s that an address of the master is believed, and that a stranger does not make us ask again
+STOP_SECONDS = 2.0
+
+
+class MasterAddresses:
+    """Whose pictures they are: the addresses that the master has now, asked for again when somebody else comes."""
+
+    def __init__(self, environ: dict[str, str]) -> None:
+        self._environ = environ
+        self._arena = variables.ARENA_NAME.read(environ)
+        self._addresses: set[str] = set()
+        self._asked = float("-inf")
+        self._asking = asyncio.Lock()
+
+    async def has(self, address: str) -> bool:
+        address = address.removeprefix("::ffff:")
+        async with self._asking:
+            if time.monotonic() - self._asked > KNOWN_FOR:
+                await self._ask()
+        return address in self._addresses
+
+    async def _ask(self) -> None:
+        try:
+            place = await locate(self._environ, self._arena)
+            loop = asyncio.get_running_loop()
+            found = await loop.getaddrinfo(place.host, None, type=socket.SOCK_STREAM)
+            self._addresses = {str(sockaddr[0]) for *_, sockaddr in found}
+        except (OSError, NoArenaError) as error:
+            _log.warning("the master is not found, so that nobody gets pictures: %s", error)
+        self._asked = time.monotonic()
+
+
+async def run(settings: CameraSettings, environ: dict[str, str]) -> int:
+    """Serve until SIGINT or SIGTERM (0), or until ustreamer ends (1)."""
+    end = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, end.set)
+    with tempfile.TemporaryDirectory(prefix="laserbot-camera-") as folder:
+        at = Path(folder) / "ustreamer"
+        door = Door(at, MasterAddresses(environ).has)
+        await door.open(settings.port)
+        camera = await asyncio.create_subprocess_exec(*settings.command(at), process_group=0)
+        _log.info("camera %s: the master gets its pictures at port %d", settings.device or "(none)", settings.port)
+        try:
+            return await _watch(camera, end)
+        finally:
+            await door.close()
+            await _stop(camera)
+
+
+async def _watch(camera: asyncio.subprocess.Process, end: asyncio.Event) -> int:
+    ended = asyncio.create_task(camera.wait())
+    ordered = asyncio.create_task(end.wait())
+    try:
+        while not ended.done() and not ordered.done():
+            alive.touch()
+            await asyncio.wait([ended, ordered], timeout=alive.PERIOD, return_when=asyncio.FIRST_COMPLETED)
+        if ordered.done():
+            return 0
+        _log.error("ustreamer has ended (%s): the program ends, for its supervisor to start it again", ended.result())
+        return 1
+    finally:
+        ended.cancel()
+        ordered.cancel()
+
+
+async def _stop(camera: asyncio.subprocess.Process) -> None:
+    if camera.returncode is not None:
+        return
+    camera.terminate()
+    try:
+        await asyncio.wait_for(camera.wait(), STOP_SECONDS)
+    except TimeoutError:
+        camera.kill()
+        await camera.wait()
+
+
+def main() -> int:
+    argparse.ArgumentParser(
+        prog=PROGRAM,
+        description="Gives the master the pictures of this robot's camera, by ustreamer.",
+        epilog=describe(*VARIABLES),
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    ).parse_args()
+    settings = read_or_exit(PROGRAM, CameraSettings.from_env)
+    configure_logging(read_or_exit(PROGRAM, variables.LOG_LEVEL.read))
+    if not shutil.which("ustreamer"):
+        _log.error("ustreamer is not installed: apt-get install ustreamer")
+        return 1
+    try:
+        return asyncio.run(run(settings, dict(os.environ)))
+    except OSError as error:
+        _log.error(
+            "cannot listen on port %d: %s; stop the program that uses it, or set %s",
+            settings.port,
+            error.strerror,
+            variables.CAMERA_PORT.name,
+        )
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
