@@ -52,18 +52,21 @@ def test_a_robot_goes_down_in_a_battle(
     ann, bob = players
     start(ann, bob)
     measured("")
-    if orderly:
-        docker("exec", outside(robot_of(rehearsal, bob)), "systemctl", "--no-block", "reboot")
-    else:
-        power_off(robot_of(rehearsal, bob))
-    until(lambda: not ann.user("Bob"), 10, "Bob is out")
-    measured("its player is out")
-    ann.wait_for_game(STOPPED)
-    result = [(entry["place"], entry["name"], entry["left"]) for entry in ann.look()["result"]]
-    assert result == [(1, "Ann", False), (2, "Bob", True)]
-    if not orderly:
-        power_on(robot_of(rehearsal, bob))
-        measured("")
+    robot = robot_of(rehearsal, bob)
+    try:
+        if orderly:
+            docker("exec", outside(robot), "systemctl", "--no-block", "reboot")
+        else:
+            power_off(robot)
+        ann.wait_for_game(STOPPED)
+        measured("its player is out")
+        result = [(entry["place"], entry["name"], entry["left"]) for entry in ann.look()["result"]]
+        assert result == [(1, "Ann", False), (2, "Bob", True)]
+        bob.post("signOutUser", data="Bob")  # who keeps the seat for a while
+    finally:
+        if not orderly:
+            power_on(robot)
+            measured("")
     until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 120, "the robot is back")
     measured("the robot is back")
     with Player(rehearsal, "Cy") as cy, Player(rehearsal, "Di") as di:
