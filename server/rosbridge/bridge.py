@@ -32,8 +32,9 @@ from server.rosbridge.effects import (
     Replay,
     Send,
 )
-from server.rosbridge.gate import OPERATOR, STATUS_TYPE, Gate, Identity
+from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
+from server.rosbridge.identity import OPERATOR, Identity
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros

@@ -3,23 +3,21 @@
 import logging
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from laser_bot_battle.names import GAME_STATUS
 from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import MessageType, Types
 from server.rosbridge.drivers import COMMAND_TOPICS, Drivers
 from server.rosbridge.effects import Effect, Log, Send
-from server.rosbridge.gate import COMMAND_TYPE, STATUS_TYPE, Gate, Identity
+from server.rosbridge.gate import COMMAND_TYPE, STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
+from server.rosbridge.identity import Claim, Identity
 from server.rosbridge.wire import Id, Request, RequestError, status
 
 SEVERITY = {"error": 1, "warning": 2, "info": 3, "none": 0}
 LOG_LEVELS = {"error": logging.WARNING, "warning": logging.INFO, "info": logging.INFO}
 # A client that sends nonsense must not fill the operator's log.
 MAX_LOG_LINES = 5  # a second
-# A client that has just signed up may be quicker here than the news of it on /game_status.
-SIGN_UP_GRACE = 2.0  # s
 # The game's own topics are driven by without a word with the ROS master.
 OWN_TYPES = {GAME_STATUS: STATUS_TYPE, **dict.fromkeys(COMMAND_TOPICS, COMMAND_TYPE)}
 
@@ -38,16 +36,6 @@ class UnsettledError(Exception):
     def __init__(self, topic: str) -> None:
         super().__init__(topic)
         self.topic = topic
-
-
-class Claim(NamedTuple):
-    """A name with a secret that the gate does not know yet, or has not looked at."""
-
-    name: str
-    secret: str
-    id: Id  # of the request
-    until: float  # monotonic s
-    may_be_operator: bool  # the secret has not been compared with the operator's token yet
 
 
 @dataclass(eq=False)

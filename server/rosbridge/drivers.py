@@ -4,7 +4,8 @@ from collections.abc import Hashable
 
 from laser_bot_battle.names import ROBOT_IDS, command_topic
 from server.rosbridge.effects import Publish
-from server.rosbridge.gate import Gate, Identity
+from server.rosbridge.gate import Gate
+from server.rosbridge.identity import Identity
 from server.rosbridge.shots import Shots
 
 COMMAND_TOPICS = frozenset(map(command_topic, ROBOT_IDS))

@@ -4,23 +4,15 @@ The gate knows the battle only from /game_status, and players by the digest of t
 Every rule answers with the reason for a refusal, or with an empty string for permission.
 """
 
-import hmac
 import io
 import struct
 import time
 from collections.abc import Callable
-from typing import NamedTuple
 
-from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
-from laser_bot_battle.names import (
-    GAME_STATUS,
-    command_topic,
-    is_operator_ticket,
-    is_session_ticket,
-    session_digest,
-)
-from server.attempts import Attempts
+from laser_bot_battle.msg import GameStatus, Robot_msg
+from laser_bot_battle.names import GAME_STATUS, command_topic
 from server.rosbridge.globs import Globs
+from server.rosbridge.identity import Identity, People
 from server.rosbridge.wire import RequestError
 
 COMMAND_TYPE = Robot_msg._type
@@ -32,35 +24,16 @@ GET_TIME = "/rosapi/get_time"  # players measure by it how long their commands a
 _COMMAND = struct.Struct("<bbB")  # a serialized Robot_msg
 
 
-class Identity(NamedTuple):
-    """Who a client is: an operator, somebody with a session (the digest of its token), or a guest."""
-
-    session: str = ""
-    operator: bool = False
-
-
-GUEST = Identity()
-OPERATOR = Identity(operator=True)
-
-
-def session_identity(token: str) -> Identity:
-    """Whoever holds this session token; that it belongs to a player is for /game_status to say."""
-    return Identity(session=session_digest(token))
-
-
-class Gate:
+class Gate(People):
     """The rules, applied to the newest state of the battle."""
 
     def __init__(self, operator_token: str, globs: Globs = NO_GLOBS, clock: Callable[[], float] = time.time) -> None:
-        """An empty `operator_token`: nobody is an operator. What `globs` leave out is refused to them, too. `clock`
-        tells Unix time in s, by which tickets end."""
-        self._operator_token, self._globs = operator_token, globs
-        self._clock = clock
-        self._attempts = Attempts()
+        """What `globs` leave out is refused to operators, too."""
+        super().__init__(operator_token, clock)
+        self._globs = globs
         self._playing = self._practising = self._paused = False
         self.coded = False
         """whether the robots' light is coded"""
-        self._players: dict[str, UserStatus] = {}  # by session
         self._heard = float("-inf")
 
     def update(self, status: GameStatus, now: float) -> None:
@@ -68,7 +41,7 @@ class Gate:
         self._playing, self._heard = status.game == GameStatus.PLAYING, now
         self._paused, self.coded = status.paused, status.coded
         self._practising = status.practice and status.game == GameStatus.STOPPED
-        self._players = {user.session: user for user in status.users if user.session}
+        self.hear(status)
 
     @staticmethod
     def public(status: bytes) -> bytes:
@@ -80,32 +53,6 @@ class Gate:
         buffer = io.BytesIO()
         message.serialize(buffer)
         return buffer.getvalue()
-
-    def is_operator_token(self, token: str, address: str, now: float) -> bool:
-        """Whether it is the token, or a ticket of it. RequestError, whatever it is, after too many wrong ones from that
-        address."""
-        if not self._operator_token:
-            return False
-        if not self._attempts.allowed(address, now):
-            raise RequestError("too many wrong operator tokens came from your address: try again in a few seconds")
-        is_token = hmac.compare_digest(token.encode(errors="replace"), self._operator_token.encode())
-        if is_token or is_operator_ticket(token, self._operator_token, self._clock()):
-            return True
-        self._attempts.wrong(address, now)
-        return False
-
-    def proven(self, name: str, secret: str) -> Identity | None:
-        """The signed-in player `name`, if that is the token of this player's session or a ticket of it."""
-        for user in self._players.values():
-            if user.name == name:
-                is_token = hmac.compare_digest(session_digest(secret).encode(), user.session.encode())
-                if is_token or is_session_ticket(secret, user.session, self._clock()):
-                    return Identity(session=user.session)
-        return None
-
-    def player(self, who: Identity) -> UserStatus | None:
-        """The signed-in player that this is."""
-        return self._players.get(who.session)
 
     def refuses_advertising(self, who: Identity, topic: str, type_name: str) -> str:
         if who.operator:

@@ -19,8 +19,9 @@ from server.rosbridge.conversion import Types
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Publish, Send
-from server.rosbridge.gate import GUEST, STATUS_TYPE, Gate, session_identity
+from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
+from server.rosbridge.identity import GUEST, session_identity
 from server.rosbridge.protocol import Client
 from server.settings import Settings
 from server.web.app import create_app

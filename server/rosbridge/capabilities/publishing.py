@@ -4,10 +4,11 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from server.rosbridge.capabilities.capability import Capability, Handler
-from server.rosbridge.context import SIGN_UP_GRACE, Context, TypeWantedError, UnsettledError
+from server.rosbridge.context import Context, TypeWantedError, UnsettledError
 from server.rosbridge.conversion import MessageType
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import Effect, Publish
+from server.rosbridge.identity import SIGN_UP_GRACE
 from server.rosbridge.wire import Id, Request, RequestError
 
 MAX_TOPICS = 1000

@@ -8,7 +8,7 @@ from typing import Any
 
 from websockets.frames import Close, CloseCode
 
-from server.rosbridge.gate import Identity
+from server.rosbridge.identity import Identity
 from server.rosbridge.websocket.frames import FrameError, Frames, Ping, Pong, close_frame, frame, ping_frame, pong_frame
 from server.rosbridge.websocket.house import READ, House
 from server.rosbridge.websocket.outbox import Outbox

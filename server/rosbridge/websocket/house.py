@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from server.rosbridge.gate import Identity
+from server.rosbridge.identity import Identity
 from server.rosbridge.websocket.places import Place, Places
 from server.rosbridge.websocket.turns import Turns
 

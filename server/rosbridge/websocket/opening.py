@@ -11,7 +11,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
-from server.rosbridge.gate import Identity
+from server.rosbridge.identity import Identity
 from server.rosbridge.websocket.connection import Connection
 from server.rosbridge.websocket.house import House
 

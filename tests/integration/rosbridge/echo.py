@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from websockets.sync.client import ClientConnection, connect
 
-from server.rosbridge.gate import GUEST, OPERATOR, Identity
+from server.rosbridge.identity import GUEST, OPERATOR, Identity
 from server.rosbridge.websocket.connection import Connection
 from server.rosbridge.websocket.frames import frame
 from server.rosbridge.websocket.places import Limits, Place, place_of

@@ -9,8 +9,9 @@ from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, FindType, Log, Send
-from server.rosbridge.gate import OPERATOR, Gate, Identity
+from server.rosbridge.gate import Gate
 from server.rosbridge.graph import Graph
+from server.rosbridge.identity import OPERATOR, Identity
 from server.rosbridge.protocol import Client
 
 # As roslib sends them.

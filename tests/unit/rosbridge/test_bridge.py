@@ -14,7 +14,8 @@ from server.rosbridge import bridge as module
 from server.rosbridge.bridge import Bridge
 from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import Types
-from server.rosbridge.gate import GUEST, Gate
+from server.rosbridge.gate import Gate
+from server.rosbridge.identity import GUEST
 from server.tcpros.node import Node
 
 

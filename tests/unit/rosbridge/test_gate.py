@@ -12,9 +12,10 @@ from laser_bot_battle.names import operator_ticket, session_digest, session_tick
 from laser_bot_battle.settings import SettingsError
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Publish
-from server.rosbridge.gate import GUEST, OPERATOR, Gate, session_identity
+from server.rosbridge.gate import Gate
 from server.rosbridge.globs import Globs
 from server.rosbridge.handshake import OwnPages
+from server.rosbridge.identity import GUEST, OPERATOR, session_identity
 from server.rosbridge.wire import RequestError
 
 AL, BO = session_identity("token-of-al"), session_identity("token-of-bo")

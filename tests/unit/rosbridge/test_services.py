@@ -16,7 +16,7 @@ from server.rosbridge.effects import (
     Response,
     Send,
 )
-from server.rosbridge.gate import GUEST
+from server.rosbridge.identity import GUEST
 from server.rosbridge.offered_services import OfferedServices
 from tests.unit.rosbridge.clients import Server, error, say, without_log
 

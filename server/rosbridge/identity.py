@@ -1,0 +1,112 @@
+"""Who a client is: by the digest of a session's token, or by the operators' token. Shared with the cameras' relay."""
+
+import hmac
+import time
+from collections.abc import Callable
+from typing import NamedTuple
+
+from laser_bot_battle.msg import GameStatus, UserStatus
+from laser_bot_battle.names import is_operator_ticket, is_session_ticket, session_digest
+from server.attempts import Attempts
+from server.rosbridge.wire import Id, RequestError
+
+# A client that has just signed up may be quicker here than the news of it on /game_status.
+SIGN_UP_GRACE = 2.0  # s
+MAX_SECRET = 1000  # characters
+
+
+class Identity(NamedTuple):
+    """Who a client is: an operator, somebody with a session (the digest of its token), or a guest."""
+
+    session: str = ""
+    operator: bool = False
+
+
+GUEST = Identity()
+OPERATOR = Identity(operator=True)
+
+
+def session_identity(token: str) -> Identity:
+    """Whoever holds this session token; that it belongs to a player is for /game_status to say."""
+    return Identity(session=session_digest(token))
+
+
+class People:
+    """Who is signed in, by the newest /game_status, and who proves to be whom."""
+
+    def __init__(self, operator_token: str, clock: Callable[[], float] = time.time) -> None:
+        """An empty `operator_token`: nobody is an operator. `clock` tells Unix time in s, by which tickets end."""
+        self._operator_token, self._clock = operator_token, clock
+        self._attempts = Attempts()
+        self._players: dict[str, UserStatus] = {}  # by session
+
+    def hear(self, status: GameStatus) -> None:
+        """The referee has spoken."""
+        self._players = {user.session: user for user in status.users if user.session}
+
+    def player(self, who: Identity) -> UserStatus | None:
+        """The signed-in player that this is."""
+        return self._players.get(who.session)
+
+    def is_operator_token(self, token: str, address: str, now: float) -> bool:
+        """Whether it is the token, or a ticket of it. RequestError, whatever it is, after too many wrong ones from that
+        address."""
+        if not self._operator_token:
+            return False
+        if not self._attempts.allowed(address, now):
+            raise RequestError("too many wrong operator tokens came from your address: try again in a few seconds")
+        is_token = hmac.compare_digest(token.encode(errors="replace"), self._operator_token.encode())
+        if is_token or is_operator_ticket(token, self._operator_token, self._clock()):
+            return True
+        self._attempts.wrong(address, now)
+        return False
+
+    def proven(self, name: str, secret: str) -> Identity | None:
+        """The signed-in player `name`, if that is the token of this player's session or a ticket of it."""
+        for user in self._players.values():
+            if user.name == name:
+                is_token = hmac.compare_digest(session_digest(secret).encode(), user.session.encode())
+                if is_token or is_session_ticket(secret, user.session, self._clock()):
+                    return Identity(session=user.session)
+        return None
+
+
+class Verdict(NamedTuple):
+    """What became of a claim: the identity, a refusal, or neither as long as it waits."""
+
+    identity: Identity | None = None
+    refusal: str = ""
+    warning: str = ""  # for the operator
+
+
+class Claim:
+    """To be somebody, by a secret that is not known yet, or has not been looked at. Time is a monotonic clock in s."""
+
+    def __init__(self, name: str, secret: str, now: float, request: Id = None) -> None:
+        """`request` is the id of the client's request. RequestError for a secret that can be none."""
+        if len(secret) > MAX_SECRET:
+            raise RequestError(f"the field 'mac' has more than {MAX_SECRET} characters")
+        self._name, self._secret, self.request = name, secret, request
+        self._until = now + SIGN_UP_GRACE
+        # the secret has not been compared with the operators' token yet
+        self._may_be_operator = name == "operator"
+
+    def judge(self, people: People, address: str, now: float) -> Verdict:
+        """To be asked again, as long as it waits, when the battle has changed or some time has passed."""
+        refusal, warning = "no player has this name and this token", ""
+        # a player may be called operator, too
+        identity = people.proven(self._name, self._secret)
+        if identity is None and self._may_be_operator:
+            try:
+                is_operator = people.is_operator_token(self._secret, address, now)
+            except RequestError as error:  # its turn may come while the claim waits
+                refusal = str(error)
+            else:
+                self._may_be_operator = False
+                if is_operator:
+                    identity = OPERATOR
+                else:
+                    warning = f"wrong operator token from {address}"
+        if identity is not None or now < self._until:
+            refusal = ""
+        return Verdict(identity, refusal, warning)
