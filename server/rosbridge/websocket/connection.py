@@ -93,6 +93,11 @@ class Connection(asyncio.BufferedProtocol):
 
     # ---- what is sent ----
 
+    @property
+    def is_blocked(self) -> bool:
+        """Whether what is sent now would have to wait, or be dropped."""
+        return self._blocked
+
     def reply(self, data: str | bytes, *rest: str | bytes) -> None:
         """One answer, which may be several messages. A client that leaves too many unread is given up."""
         framed = b"".join(map(frame, (data, *rest))) if rest else frame(data)

@@ -43,9 +43,9 @@ class RosSide:
             self.close()
             raise
 
-    def status(self, game: int, *users: dict[str, Any]) -> None:
-        """The referee's word: `users` as made by `player`."""
-        self._say(status={"game": game, "users": list(users)})
+    def status(self, game: int, *users: dict[str, Any], **fields: Any) -> None:
+        """The referee's word: `users` as made by `player`, and further fields of a GameStatus."""
+        self._say(status={"game": game, "users": list(users), **fields})
 
     def publish(self, topic: str, kind: str, **fields: Any) -> None:
         self._say(publish=[topic, kind, fields])

@@ -1,0 +1,49 @@
+"""The cameras' relay: `python3 -m server.camera`, the ROS node `camera_relay`."""
+
+import logging
+import socket
+import sys
+
+from laser_bot_battle.log import configure_logging
+from laser_bot_battle.names import RELAY_NODE
+from laser_bot_battle.settings import read_or_exit
+from server.camera.relay import Relay, limits_of
+from server.camera.settings import VARIABLES, Settings
+from server.camera.sight import Sight
+from server.event_loop import live, ros_node, warn_of_arguments, work_in_loop
+from server.node import Node, read_arguments
+from server.rosbridge.handshake import OwnPages, own_names
+from server.rosbridge.identity import Identity
+from server.rosbridge.websocket.server import WebSocketServer
+
+_log = logging.getLogger(__name__)
+
+
+def main() -> int:
+    """The program; returns its exit code."""
+    program = "python3 -m server.camera"
+    description = "The relay of the robots' cameras: one connection to each that somebody looks through."
+    settings = read_or_exit(program, Settings.from_env, read_arguments(program, description, *VARIABLES))
+    configure_logging(settings.node.log_level)
+    warn_of_arguments(RELAY_NODE)
+    node = Node(RELAY_NODE, settings.node)
+    return node.run(lambda listener: work_in_loop(node, "relay", lambda: _relay(node, settings, listener)))
+
+
+async def _relay(node: Node, settings: Settings, listener: socket.socket) -> None:
+    pages = OwnPages(settings.web_port, settings.origins, own_names())
+
+    def identity_of(origin: str | None, host: str | None, cookies: list[str]) -> Identity | None:
+        """A page from elsewhere gets nothing: a browser in this network would show it the hall."""
+        is_strange = origin is not None and not pages.has(origin, host)
+        return None if is_strange else pages.identity_of(origin, host, cookies)
+
+    async with ros_node(node, RELAY_NODE) as own_node:
+        relay = Relay(own_node, Sight(settings.operator_token), settings.viewers, settings.rate)
+        async with WebSocketServer(relay, listener, identity_of, limits_of(settings.viewers)):
+            _log.info("listening on %s port %d", settings.node.bind, settings.node.port)
+            await live(node)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,104 @@
+"""One robot's camera, as long as somebody looks through it: found, connected to, and tried again when it is lost."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Awaitable, Callable
+from functools import partial
+
+from laser_bot_battle.master import MasterError
+from laser_bot_battle.names import robot_node
+from server.camera.budget import Meter
+from server.camera.clock import ClockOffset
+from server.camera.multipart import Part, StreamError
+from server.camera.picture import Picture, picture_of
+from server.camera.stream import address_of, follow
+from server.camera.viewer import Viewer
+
+_log = logging.getLogger(__name__)
+
+LIVE, WAITING, NONE = "live", "waiting", "none"
+RETRY = 1.0  # s from one attempt to the next
+
+
+class Camera:
+    """`state`, its `reason` for people, and the newest `picture`. For the event loop's thread, from the constructor on
+    until `close`."""
+
+    def __init__(
+        self,
+        robot: int,
+        find: Callable[[], Awaitable[object]],
+        pictured: Callable[["Camera", Picture], None],
+        changed: Callable[["Camera"], None],
+    ) -> None:
+        """`find` asks the ROS master where the camera is: MasterError when it knows none, OSError when it does not
+        answer. `pictured` is called with each picture, `changed` when the state has changed."""
+        self._loop = asyncio.get_running_loop()
+        self._find, self._pictured, self._changed = find, pictured, changed
+        self.robot = robot
+        self.viewers: set[Viewer] = set()
+        self.state, self.reason = WAITING, "the camera is looked for"
+        self.picture: Picture | None = None
+        self._number = 0
+        self._rate = Meter(self._loop.time())  # of pictures
+        self._task = self._loop.create_task(self._run())
+
+    def close(self) -> None:
+        """End the connection."""
+        self._task.cancel()
+
+    def mark(self, now: float) -> None:
+        """To be called now and then: the rate is measured."""
+        self._rate.mark(now)
+
+    def figures(self, now: float) -> dict[str, object]:
+        """For operators."""
+        picture = self.picture
+        return {
+            "robot": self.robot,
+            "viewers": len(self.viewers),
+            "rate": round(self._rate.rate(now), 1),
+            "age": None if picture is None else round(max(0.0, time.time() - picture.taken), 3),
+            "kilobytes": None if picture is None else round(len(picture.jpeg) / 1000, 1),
+            "state": self.state,
+        }
+
+    async def _run(self) -> None:
+        while True:
+            began = self._loop.time()
+            try:
+                await self._look()
+            except MasterError:  # the parameter is not set
+                self._become(NONE)
+            except StreamError as error:
+                self._become(WAITING, str(error))
+            except Exception:  # this camera's trouble, and nobody else's
+                _log.exception("the camera of %s has failed", robot_node(self.robot))
+                self._become(WAITING, "the relay has failed")
+            self.picture = None
+            await asyncio.sleep(began + RETRY - self._loop.time())
+
+    async def _look(self) -> None:
+        try:
+            address = address_of(await self._find())
+        except OSError:
+            raise StreamError("the ROS master does not tell where the camera is") from None
+        await follow(address, partial(self._received, ClockOffset()))
+
+    def _received(self, offset: ClockOffset, part: Part) -> None:
+        self._number += 1
+        picture = picture_of(part, self.robot, self._number, offset, time.time())
+        self._rate.add(1)
+        self.picture = picture
+        if picture.online:
+            self._become(LIVE)
+        else:
+            self._become(WAITING, "the camera is away")
+        self._pictured(self, picture)
+
+    def _become(self, state: str, reason: str = "") -> None:
+        if (state, reason) != (self.state, self.reason):
+            self.state, self.reason = state, reason
+            _log.info("the camera of %s: %s", robot_node(self.robot), f"{state}, {reason}" if reason else state)
+            self._changed(self)

@@ -1,0 +1,49 @@
+"""A picture on its way: out of a part of the camera's stream, into a message for viewers (docs/protocol-camera.md)."""
+
+import math
+import struct
+from typing import NamedTuple
+
+from server.camera.clock import ClockOffset
+from server.camera.multipart import Part, StreamError
+
+_HEADER = struct.Struct("<B3xIdd")  # robot, number, taken, sent
+_BEGIN, _END = b"\xff\xd8\xff", b"\xff\xd9"
+MAX_LATENCY = 60.0  # s between camera and stream on the robot; ustreamer tells nonsense while the camera is away
+
+
+class Picture(NamedTuple):
+    robot: int
+    number: int
+    taken: float  # Unix time in s, by this machine's clock
+    online: bool  # false: the camera is away, and the picture only says so
+    jpeg: bytes
+
+    def message(self, sent: float) -> bytes:
+        """For a viewer, at Unix time `sent` in s."""
+        return _HEADER.pack(self.robot, self.number & 0xFFFFFFFF, self.taken, sent) + self.jpeg
+
+
+def picture_of(part: Part, robot: int, number: int, offset: ClockOffset, received: float) -> Picture:
+    """The picture in `part`, which was here at Unix time `received` in s. StreamError if it is none."""
+    jpeg = part.body.rstrip(b"\0")  # some cameras fill up their buffer
+    if not jpeg.startswith(_BEGIN) or not jpeg.endswith(_END):
+        raise StreamError("the camera sends something else than pictures")
+    stamp = _seconds(part.headers.get("x-timestamp", ""))
+    if stamp is None:
+        raise StreamError("the camera does not tell when a picture was taken")
+    # ustreamer's time stamp is that of sending, and its latency all that came before
+    latency = _seconds(part.headers.get("x-ustreamer-latency", "0"))
+    taken = stamp + offset.sample(stamp, received)
+    if latency is not None and latency <= MAX_LATENCY:
+        taken -= latency
+    online = part.headers.get("x-ustreamer-online", "true").lower() != "false"
+    return Picture(robot, number, taken, online, jpeg)
+
+
+def _seconds(text: str) -> float | None:
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) and 0 <= value < 1e11 else None

@@ -1,0 +1,65 @@
+"""The connection to a robot's camera: HTTP/1.0, as ustreamer answers it."""
+
+import asyncio
+import re
+from collections.abc import Callable
+from typing import NamedTuple
+
+from server.camera.multipart import Part, Parts, StreamError, boundary_of
+
+CONNECT = 3.0  # s until the camera must have answered
+SILENCE = 3.0  # s without a complete picture; a camera that is away still sends one a second that says so
+CHUNK = 64 * 2**10  # bytes that are read at once
+MAX_ADDRESS = 300  # characters
+
+_ADDRESS = re.compile(
+    r"http://(?P<host>[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):(?P<port>[0-9]{1,5})(?P<path>(/[\w.-]*)*)",
+    re.ASCII | re.IGNORECASE,
+)
+
+
+class Address(NamedTuple):
+    """Of a camera, below which its paths are."""
+
+    host: str
+    port: int
+    path: str  # without a slash at its end
+
+
+def address_of(value: object) -> Address:
+    """The address that a robot's parameter holds. StreamError for anything else than http://host:port/path: whoever
+    is in the ROS network can set it."""
+    match = _ADDRESS.fullmatch(value) if isinstance(value, str) and len(value) <= MAX_ADDRESS else None
+    if not match or not 0 < int(match["port"]) < 2**16:
+        raise StreamError("the robot tells a wrong address of its camera")
+    return Address(match["host"].strip("[]"), int(match["port"]), match["path"].rstrip("/"))
+
+
+async def follow(address: Address, received: Callable[[Part], None]) -> None:
+    """Call `received` with each part of the camera's stream; StreamError says why it ended."""
+    try:
+        async with asyncio.timeout(CONNECT):
+            reader, writer = await asyncio.open_connection(address.host, address.port, limit=CHUNK)
+    except OSError:
+        raise StreamError("the camera cannot be reached") from None
+    host = f"[{address.host}]" if ":" in address.host else address.host
+    request = f"GET {address.path}/stream?extra_headers=1 HTTP/1.0\r\nHost: {host}:{address.port}\r\n\r\n"
+    writer.write(request.encode())
+    try:
+        async with asyncio.timeout(CONNECT):
+            head = await reader.readuntil(b"\r\n\r\n")
+        parts = Parts(boundary_of(head))
+        async with asyncio.timeout(SILENCE) as silence:
+            while data := await reader.read(CHUNK):
+                for part in parts.feed(data):
+                    received(part)
+                    silence.reschedule(asyncio.get_running_loop().time() + SILENCE)
+    except asyncio.LimitOverrunError:
+        raise StreamError("what answers there is no camera") from None
+    except TimeoutError:
+        raise StreamError(f"no picture came for {SILENCE:g} s") from None
+    except (OSError, EOFError):
+        raise StreamError("the connection to the camera is lost") from None
+    finally:
+        writer.transport.abort()
+    raise StreamError("the camera has ended the stream")

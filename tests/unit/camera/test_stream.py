@@ -1,0 +1,32 @@
+"""Where a camera may be."""
+
+import pytest
+
+from server.camera.multipart import StreamError
+from server.camera.stream import Address, address_of
+
+
+@pytest.mark.parametrize(
+    ("value", "address"),
+    [
+        ("http://192.168.1.21:8090", Address("192.168.1.21", 8090, "")),
+        ("http://raspberrypi1.local:8090/", Address("raspberrypi1.local", 8090, "")),
+        ("http://127.0.0.1:8080/eyes/virtual0", Address("127.0.0.1", 8080, "/eyes/virtual0")),
+        ("http://[fe80::1]:80/a-b/c.d", Address("fe80::1", 80, "/a-b/c.d")),
+    ],
+)
+def test_an_address(value: str, address: Address) -> None:
+    assert address_of(value) == address
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        "", None, 8090, ["http://1.2.3.4:80"], "http://1.2.3.4", "https://1.2.3.4:80", "http://u:p@1.2.3.4:80",
+        "http://1.2.3.4:0", "http://1.2.3.4:65536", "http://1.2.3.4:80/a?b", "http://1.2.3.4:80/a b", "file:///etc",
+        "http://1.2.3.4:80/\r\nX: y", "http://1.2.3.4:80\n", "http://é:80", "http://h:80/" + "x" * 300,
+    ],
+)  # fmt: skip
+def test_what_is_no_address(value: object) -> None:
+    with pytest.raises(StreamError, match="the robot tells a wrong address of its camera"):
+        address_of(value)
