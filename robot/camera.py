@@ -15,10 +15,13 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from laser_bot_battle import alive, variables
 from laser_bot_battle.announcement import NoArenaError
 from laser_bot_battle.log import configure_logging
+from laser_bot_battle.master import Master, MasterError
+from laser_bot_battle.names import RELAY_NODE
 from laser_bot_battle.place import locate
 from laser_bot_battle.settings import describe, read_or_exit
 from robot.camera_door import Door
@@ -32,7 +35,8 @@ STOP_SECONDS = 2.0
 
 
 class MasterAddresses:
-    """Whose pictures they are: the addresses that the master has now, asked for again when somebody else comes."""
+    """Whose pictures they are: the addresses that the master and its relay have now, asked for again when somebody else
+    comes. They may differ: a robot in a cluster knows the master by the address of a Service."""
 
     def __init__(self, environ: dict[str, str]) -> None:
         self._environ = environ
@@ -54,9 +58,19 @@ class MasterAddresses:
             loop = asyncio.get_running_loop()
             found = await loop.getaddrinfo(place.host, None, type=socket.SOCK_STREAM)
             self._addresses = {str(sockaddr[0]) for *_, sockaddr in found}
+            self._addresses |= await asyncio.to_thread(_relays_addresses, place.ros_master_uri)
         except (OSError, NoArenaError) as error:
             _log.warning("the master is not found, so that nobody gets pictures: %s", error)
         self._asked = time.monotonic()
+
+
+def _relays_addresses(ros_master_uri: str) -> set[str]:
+    """Of the host on which the ROS master has the relay; none while it has none."""
+    try:
+        relay = Master(ros_master_uri, "camera").call("lookupNode", f"/{RELAY_NODE}")
+        return {str(found[4][0]) for found in socket.getaddrinfo(urlsplit(relay).hostname, None, socket.AF_INET)}
+    except (OSError, MasterError):
+        return set()
 
 
 async def run(settings: CameraSettings, environ: dict[str, str]) -> int:

@@ -18,6 +18,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.BIND,
     variables.WEB,
     variables.ROSBRIDGE,
+    variables.RELAY,
     variables.VIEW,
     *DECLARED.values(),
     variables.OPERATOR_TOKEN,
@@ -37,6 +38,7 @@ class Settings:
 
     node: NodeSettings
     rosbridge_port: int
+    relay_port: int  # of the cameras' pictures
     view_port: int | None  # of an arena's view, on the host that serves the page; None: there is none to show
     data: Path
     database: URL
@@ -51,6 +53,7 @@ class Settings:
         return cls(
             node=NodeSettings.from_env(environ, variables.WEB),
             rosbridge_port=variables.ROSBRIDGE.read(environ),
+            relay_port=variables.RELAY.read(environ),
             view_port=variables.VIEW.read(environ),
             data=data,
             database=database_url(environ),

@@ -24,7 +24,7 @@ import segno
 
 from laser_bot_battle.addresses import reachable_addresses
 from laser_bot_battle.settings import Variable, describe, read_or_exit
-from laser_bot_battle.variables import ARENA, BIND, DATA, LIGHT, OPERATOR_TOKEN, ROS, ROSBRIDGE, ROSTER, WEB
+from laser_bot_battle.variables import ARENA, BIND, DATA, LIGHT, OPERATOR_TOKEN, RELAY, ROS, ROSBRIDGE, ROSTER, WEB
 from sim.arena.ambient import Ambient, add_options
 from sim.arena.world import MAX_ROBOTS
 from sim.demo_settings import HOST, VARIABLES, Settings
@@ -127,6 +127,7 @@ class Demo:
         steps: dict[str, Callable[[], bool]] = {
             "web server": lambda: self.answers(WEB, 200),
             "rosbridge": lambda: self.answers(ROSBRIDGE, 426),  # to plain HTTP: Upgrade Required
+            "cameras": lambda: self.answers(RELAY, 426),
             "arena": lambda: self.answers(ARENA, 200),
             counted(self.robots, "virtual robot"): lambda: self.registered_robots() >= self.robots,
         }

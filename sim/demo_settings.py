@@ -15,6 +15,7 @@ from laser_bot_battle.variables import (
     LIGHT,
     OPERATOR_TOKEN,
     OPERATOR_TOKEN_FILE,
+    RELAY,
     ROS,
     ROSBRIDGE,
     WEB,
@@ -24,6 +25,7 @@ HOST = "127.0.0.1"  # where the parts meet
 PORTS = {
     WEB: "the game",
     ROSBRIDGE: "rosbridge",
+    RELAY: "the cameras' pictures",
     ROS: "the ROS master",
     ARENA: "the arena's view",
     ARENA_LINK: "the robots' link to the arena",

@@ -19,9 +19,16 @@ from testinfra.host import Host
 from laser_bot_battle import search, variables
 
 SERVICES = {
-    "master": ["laserbot-rosmaster", "laserbot-rosbridge", "laserbot-web", "laserbot-announcer"],
+    "master": [
+        "laserbot-rosmaster",
+        "laserbot-rosbridge",
+        "laserbot-web",
+        "laserbot-camera-relay",
+        "laserbot-announcer",
+    ],
     "robots": ["laserbot-robot"],
 }
+CAMERA_SERVICE = "laserbot-camera"
 
 
 @dataclass(frozen=True)
@@ -35,13 +42,14 @@ class Machine:
     ssh: str  # options of ssh: the key, where host keys are kept
     serial: str = "/dev/laserbot"
     platform: str = ""  # the image's, where it is not the host's own
+    camera: bool = False  # whether the robot has one
     arena: str = "laser-bot-master"  # the name by which the master announces itself
     open_ports: tuple[int, ...] = ()  # that the operator has opened besides the game's
     checked: bool = True  # whether the operator asks for checks of it
 
     @property
     def services(self) -> list[str]:
-        return SERVICES[self.group]
+        return SERVICES[self.group] + ([CAMERA_SERVICE] if self.camera else [])
 
     @functools.cached_property
     def host(self) -> Host:

@@ -46,7 +46,11 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
 
     @app.context_processor
     def page_variables() -> dict[str, int | None]:
-        return {"rosbridge_port": settings.rosbridge_port, "view_port": settings.view_port}
+        return {
+            "rosbridge_port": settings.rosbridge_port,
+            "relay_port": settings.relay_port,
+            "view_port": settings.view_port,
+        }
 
     @app.before_request
     def refuse_other_sites() -> Response | None:
@@ -110,12 +114,18 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
 
 
 def _page_policy(settings: Settings, host: str) -> str:
-    """What a page may do: open a WebSocket to rosbridge and show the arena's view, on the host that it came from."""
+    """What a page may do: open WebSockets to rosbridge and the cameras' relay, and show the arena's view, on the host
+    that it came from."""
     name, _ = policy_source(host)
-    bridge, view = f"{name}:{settings.rosbridge_port}", f"{name}:{settings.view_port}"
+    sockets = [
+        f"{scheme}://{name}:{port}"
+        for port in (settings.rosbridge_port, settings.relay_port)
+        for scheme in ("ws", "wss")
+    ]
+    view = f"{name}:{settings.view_port}"
     frames = f"http://{view} https://{view}" if settings.view_port else "'none'"
     return (
         f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-src {frames}; "
-        f"connect-src 'self' ws://{bridge} wss://{bridge}; "
+        f"connect-src 'self' {' '.join(sockets)}; "
         "object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
     )

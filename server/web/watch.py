@@ -65,6 +65,7 @@ def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str,
         "practice": snapshot.practice,
         "teams": snapshot.teams,
         "coded": snapshot.coded,
+        "hide_cameras": snapshot.hide_cameras,
         "queue": [waiter.name for waiter in snapshot.queue],
         "users": [
             _person(

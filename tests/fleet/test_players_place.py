@@ -6,9 +6,9 @@ import shlex
 from fleet import Machine
 from tests.support.rehearsal import Rehearsal, ask_from
 
-OPEN = {"master": {5000, 9090}, "robots": set()}
+OPEN = {"master": {5000, 9090, 9091}, "robots": set()}
 # what listens on the hosts or might: SSH, time, ROS master, engine, registry, arbitrary ports of ROS nodes
-PORTS = [22, 80, 111, 123, 443, 2375, 2376, 5000, 5353, 5443, 9090, 11311, 32768, 40000, 50000, 60999]
+PORTS = [22, 80, 111, 123, 443, 2375, 2376, 5000, 5353, 5443, 8090, 9090, 9091, 11311, 32768, 40000, 50000, 60999]
 
 SCAN = """
 import json, socket

@@ -158,5 +158,5 @@ def test_every_address_in_the_readme_is_one_of_the_manifests() -> None:
                 if port.get("targetPort") in {"web", "view"} and "nodePort" in port:
                     assert str(port["nodePort"]) in TEXT
     ports = {port["targetPort"]: port for port in overlay("sim").one("Service", "players")["spec"]["ports"]}
-    forwards = [f"{ports[name]['nodePort']}:{ports[name]['port']}" for name in ("web", "rosbridge")]
+    forwards = [f"{ports[name]['nodePort']}:{ports[name]['port']}" for name in ("web", "rosbridge", "relay")]
     assert f"port-forward service/players {' '.join(forwards)}" in TEXT

@@ -165,7 +165,12 @@ def test_each_service_of_the_master_has_all_three_probes(name: str) -> None:
         master = overlay(name).within(namespace).one("Deployment", "master")
         containers = master["spec"]["template"]["spec"]["containers"]
         announcer = {"announcer"} if name == "lan" else set()  # a pod's own network passes no multicast
-        assert {container["name"] for container in containers} == {"ros-master", "rosbridge", "web"} | announcer
+        assert {container["name"] for container in containers} == {
+            "ros-master",
+            "rosbridge",
+            "web",
+            "camera-relay",
+        } | announcer
         for container in containers:
             assert {"startupProbe", "readinessProbe", "livenessProbe"} <= set(container)
 
@@ -220,5 +225,6 @@ def test_a_virtual_robot_is_its_pod() -> None:
     assert words[words.index("--name") + 1] == "robot-1"
     environment = kubelet.environment(robot)
     assert environment["LASERBOT_ROBOT_NAME"] == "robot-1"
+    assert environment["LASERBOT_CAMERA_URL"] == "http://10.43.0.2:8080/eyes/robot-1"
     assert environment["LASERBOT_SERIAL"] == f"socket://{words[words.index('--tcp') + 1]}"
     assert words[words.index("--firmware") + 1].startswith("/opt/laserbot/firmware/")

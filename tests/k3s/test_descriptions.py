@@ -19,6 +19,7 @@ PROGRAMS = {
     "rosmaster": 1,
     "server.main": 1,
     "server.rosbridge": 1,
+    "server.camera": 1,
     "sim.arena": 1,
     "avr_robot": 2,
     "robot.id_service_client": 2,
@@ -27,7 +28,7 @@ PROGRAMS = {
 # where multicast passes
 ANNOUNCED = {"server.announcer": 1}
 TRACKED = {"sim.positions": 1}  # needs ROS, which the image of the simulator has not
-MASTER_OF_A_LAN = {"rosmaster": 1, "server.main": 1, "server.rosbridge": 1, **ANNOUNCED}
+MASTER_OF_A_LAN = {"rosmaster": 1, "server.main": 1, "server.rosbridge": 1, "server.camera": 1, **ANNOUNCED}
 
 
 class Start(NamedTuple):

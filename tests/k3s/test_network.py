@@ -87,12 +87,26 @@ def test_the_page_is_told_the_ports_of_the_nodes() -> None:
                 for port in service["spec"].get("ports", [])
                 if "nodePort" in port
             }
-            assert set(node_ports) == {"web", "rosbridge", "view"}
+            assert set(node_ports) == {"web", "rosbridge", "relay", "view"}
             settings = here.config("settings")
             (web,) = [container for _, container in here.containers if container["name"] == "web"]
             told = ProgramSettings(web["command"], settings["data"]).settings
             assert told is not None
-            assert (told.rosbridge_port, told.view_port) == (node_ports["rosbridge"], node_ports["view"])
+            assert (told.rosbridge_port, told.relay_port, told.view_port) == (
+                node_ports["rosbridge"],
+                node_ports["relay"],
+                node_ports["view"],
+            )
+
+
+def test_the_relay_is_told_where_browsers_find_the_pages() -> None:
+    for name in ("sim", "arenas"):
+        for namespace in overlay(name).namespaces:
+            here = overlay(name).within(namespace)
+            ports = here.one("Service", "players")["spec"]["ports"]
+            (page,) = [str(port["nodePort"]) for port in ports if port["name"] == "web"]
+            (relay,) = [container for _, container in here.containers if container["name"] == "camera-relay"]
+            assert {"name": "LASERBOT_WEB_PORT", "value": page} in relay["env"]
 
 
 def test_every_port_of_the_nodes_is_used_once() -> None:
@@ -103,7 +117,7 @@ def test_every_port_of_the_nodes_is_used_once() -> None:
         for port in service["spec"].get("ports", [])
         if "nodePort" in port
     ]
-    assert len(used) == len(set(used)) == 9
+    assert len(used) == len(set(used)) == 12
     assert all(30000 <= number <= 32767 for number in used)
 
 

@@ -90,7 +90,7 @@ def test_the_schemas_refuse_what_is_wrong(customize: Customize) -> None:
         validate(customize("sim", patches=[patch]), VERSIONS[0])
 
 
-@pytest.mark.parametrize("program", ["rosbridge", "web"])
+@pytest.mark.parametrize("program", ["rosbridge", "web", "camera-relay"])
 def test_the_example_of_the_secret_fits_what_the_programs_ask_for(program: str) -> None:
     example = yaml.safe_load((ROOT / "k3s/base/secret.example.yaml").read_text())
     kubernetes_validate.validate(example, VERSIONS[0], strict=True)

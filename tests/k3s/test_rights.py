@@ -3,7 +3,8 @@
 import pytest
 
 from tests.k3s.conftest import Customize
-from tests.support.manifests import Manifests, Object, overlay
+from tests.support.manifests import Kubelet, Manifests, Object, overlay
+from tests.support.program_settings import ProgramSettings
 
 ENFORCE = "pod-security.kubernetes.io/enforce"
 NO_RIGHTS = {
@@ -68,6 +69,22 @@ def test_with_a_device_plugin_a_robot_is_not_privileged(customize: Customize) ->
     assert is_restricted(pod)
     (robot,) = pod["containers"]
     assert {"squat.ai/laserbot"} == set(robot["resources"]["limits"]) - {"cpu", "memory"}
+
+
+def test_a_camera_is_a_container_with_the_robots_rights(customize: Customize) -> None:
+    manifests = customize("lan", "camera", namespace="laserbot")
+    pod = manifests.one("DaemonSet", "robot")["spec"]["template"]["spec"]
+    robot, camera = sorted(pod["containers"], key=lambda container: container["name"] == "camera")
+    assert camera["securityContext"] == robot["securityContext"]
+    assert 44 in pod["securityContext"]["supplementalGroups"]
+    fields = {"spec.nodeName": "raspberrypi1", "status.hostIP": "192.0.2.7"}
+    kubelet = Kubelet(manifests, pod, fields, {"master": "10.43.0.1"})
+    read = {each["name"]: ProgramSettings(kubelet.command(each), kubelet.environment(each)) for each in (robot, camera)}
+    seen, told = read["camera"].settings, read["robot"].settings
+    assert seen is not None
+    assert told is not None
+    assert (told.camera, told.camera_port) == (seen.device, seen.port)
+    assert {seen.port} == {port["containerPort"] for port in camera["ports"]}
 
 
 def test_no_pod_gets_a_token_of_the_cluster(manifests: Manifests) -> None:

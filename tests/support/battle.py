@@ -17,6 +17,7 @@ from tests.support.programs import ROOT, Program
 PORTS = (
     "LASERBOT_WEB_PORT",
     "LASERBOT_ROSBRIDGE_PORT",
+    "LASERBOT_RELAY_PORT",
     "LASERBOT_ROS_PORT",
     "LASERBOT_ARENA_PORT",
     "LASERBOT_ARENA_LINK_PORT",
@@ -46,6 +47,10 @@ class Battle:
     @property
     def rosbridge_port(self) -> int:
         return self.ports["LASERBOT_ROSBRIDGE_PORT"]
+
+    @property
+    def relay_port(self) -> int:
+        return self.ports["LASERBOT_RELAY_PORT"]
 
     @property
     def bridge(self) -> str:

@@ -226,4 +226,4 @@ class ClusterBattle:
 
 
 def free_node_ports() -> dict[str, int]:
-    return {name: free_port() for name in ("web", "rosbridge", "view")}
+    return {name: free_port() for name in ("web", "rosbridge", "relay", "view")}

@@ -3,8 +3,11 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from robot.camera_settings import VARIABLES as CAMERA
+from robot.camera_settings import CameraSettings
 from robot.settings import Settings as RobotSettings
 from server.announcer.settings import Settings as AnnouncerSettings
+from server.camera.settings import Settings as RelaySettings
 from server.rosbridge.settings import Settings as RosbridgeSettings
 from server.settings import Settings as WebSettings
 from sim.arena.settings import Settings as ArenaSettings
@@ -34,8 +37,10 @@ Reader = Callable[[Mapping[str, str]], Any]
 READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.main": (WebSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.node.port}, ROS),
+    "server.camera": (RelaySettings.from_env, lambda found: {found.node.port}, ROS),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
+    "robot.camera": (CameraSettings.from_env, lambda found: {found.port}, {variable.name for variable in CAMERA}),
     "sim.arena": (ArenaSettings.from_env, lambda found: {found.view_port, found.link_port}, set()),
     "sim.bot": (BotSettings.read, lambda _: set(), set()),
 }

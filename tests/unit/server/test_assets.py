@@ -116,9 +116,10 @@ def test_anything_else_is_not_found(browser, path):
     ],
 )
 def test_a_page_may_connect_to_its_own_host_only(host, name):
-    browser = browser_of(LASERBOT_ROSBRIDGE_PORT="9123", LASERBOT_VIEW_PORT="8123")
+    browser = browser_of(LASERBOT_ROSBRIDGE_PORT="9123", LASERBOT_RELAY_PORT="9124", LASERBOT_VIEW_PORT="8123")
     policy = policy_of(browser.get("/home", headers={"Host": host}))
-    assert policy["connect-src"] == ["'self'", f"ws://{name}:9123", f"wss://{name}:9123"]
+    sockets = [f"{scheme}://{name}:{port}" for port in (9123, 9124) for scheme in ("ws", "wss")]
+    assert policy["connect-src"] == ["'self'", *sockets]
     assert policy["frame-src"] == [f"http://{name}:8123", f"https://{name}:8123"]
     assert policy["default-src"] == ["'self'"]
     assert "'unsafe-inline'" not in policy.get("script-src", [])
