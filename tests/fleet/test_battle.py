@@ -1,5 +1,12 @@
-"""The main job: two players play a battle on the deployed fleet to its end."""
+"""The main job: two players play a battle on the deployed fleet to its end, and its cameras are looked through."""
 
+import json
+import time
+from collections.abc import Iterator
+
+from websockets.sync.client import connect
+
+from fleet import Machine
 from tests.support.play import shoot_to_the_end, start
 from tests.support.player import Eyes
 from tests.support.polling import until
@@ -18,3 +25,33 @@ def test_two_players_with_roslib_play_a_battle_to_its_end(rehearsal: Rehearsal) 
         assert shoot_to_the_end(ann, bob, eyes) == [100, 60, 20, 0]
         result = [(entry["place"], entry["name"], entry["life"]) for entry in until(lambda: bob.look()["result"])]
         assert result == [(1, "Ann", 100), (2, "Bob", 0)]
+
+
+def look(fleet: Rehearsal, token: str, robot: Machine) -> Iterator[str | bytes]:
+    """What the relay tells an operator of a robot's camera, and the pictures."""
+    with connect(f"ws://{fleet.master.address}:9091") as relay:
+        relay.send(json.dumps({"op": "auth", "mac": token}))
+        relay.send(json.dumps({"op": "watch", "robot": int(robot.name.removeprefix("raspberrypi"))}))
+        deadline = time.monotonic() + 20
+        while time.monotonic() < deadline:
+            yield relay.recv(timeout=10)
+
+
+def test_the_operator_looks_through_a_robots_camera(rehearsal: Rehearsal) -> None:
+    """It is not plugged in, which its still picture says."""
+    rehearsal.wait_until_complete()
+    token = rehearsal.master.run("cat /etc/laserbot/operator-token").strip()
+    robot, other = sorted(rehearsal.robots, key=lambda robot: not robot.camera)[:2]
+    assert any('"none"' in heard for heard in look(rehearsal, token, other) if isinstance(heard, str))
+    assert any("the camera is away" in heard for heard in look(rehearsal, token, robot) if isinstance(heard, str))
+    assert any(
+        heard[24:].startswith(b"\xff\xd8") for heard in look(rehearsal, token, robot) if isinstance(heard, bytes)
+    )
+
+
+def test_only_the_master_gets_a_robots_pictures(rehearsal: Rehearsal) -> None:
+    robot, other = sorted(rehearsal.robots, key=lambda robot: not robot.camera)[:2]
+    ask = f"curl -s -m 5 -o /dev/null -w '%{{http_code}}' http://{robot.address}:8090/snapshot"
+    assert rehearsal.master.run(ask) == "200"
+    assert other.host.run(ask).stdout == "000", "the firewall"
+    assert robot.run(ask) == "403", "the camera's own door"

@@ -107,8 +107,9 @@ def test_a_changed_knob_changes_the_services_that_read_it_and_no_secret_is_print
                 "master : Keep the operator's token",
                 "release : Run the container laserbot-rosbridge",
                 "release : Run the container laserbot-web",
+                "release : Run the container laserbot-camera-relay",
             ],
-            {"laserbot-rosbridge", "laserbot-web"},
+            {"laserbot-rosbridge", "laserbot-web", "laserbot-camera-relay"},
         ),
         "master_hit_damage=39": (["release : Run the container laserbot-web"], {"laserbot-web"}),
     }

@@ -15,10 +15,17 @@ from tests.support.programs import ROOT
 
 DEBIAN = {"linux/amd64": "amd64", "linux/arm64": "arm64", "linux/arm/v7": "armhf"}
 OTHER_PROGRAMS = {
-    "webserver": ["rosmaster --help", "python3 -m server.rosbridge --help", "python3 -m server.announcer --help"],
+    "webserver": [
+        "rosmaster --help",
+        "python3 -m server.rosbridge --help",
+        "python3 -m server.camera --help",
+        "python3 -m server.announcer --help",
+    ],
     "rosberry": [
         "python3 -m robot.serial_node --help",
         "python3 -m robot.find --help",
+        "python3 -m robot.camera --help",
+        "ustreamer --version",
         "avrdude -c '?' -p m328p 2>&1 | grep -w arduino",
     ],
     "sim": ["avr_robot --help", "python3 -m sim.bot --help"],

@@ -35,8 +35,9 @@ class Programs:
         master = self.start("webserver", platform, "master", "rosmaster", "--core", "-p", "11311")
         web = self.start("webserver", platform, "web", LASERBOT_DATA="/run/laserbot")
         bridge = self.start("webserver", platform, "rosbridge", "python3", "-m", "server.rosbridge")
+        relay = self.start("webserver", platform, "relay", "python3", "-m", "server.camera")
         announcer = self.start("webserver", platform, "announcer", "python3", "-m", "server.announcer")
-        return [master, web, bridge, announcer]
+        return [master, web, bridge, relay, announcer]
 
 
 @pytest.fixture

@@ -20,7 +20,7 @@ class ComposeBattle:
     """
 
     def __init__(self, folder: Path, platforms: Mapping[str, str], bots: int = 0, **variables: str) -> None:
-        self.web_port, self.rosbridge_port, self.arena_port = free_port(), free_port(), free_port()
+        self.web_port, self.rosbridge_port, self.relay_port, self.arena_port = (free_port() for _ in range(4))
         self.web = f"http://127.0.0.1:{self.web_port}"
         self.bridge = f"ws://127.0.0.1:{self.rosbridge_port}"
         self.view = f"ws://127.0.0.1:{self.arena_port}/view"
@@ -28,6 +28,7 @@ class ComposeBattle:
             **os.environ,
             "LASERBOT_WEB_PORT": str(self.web_port),
             "LASERBOT_ROSBRIDGE_PORT": str(self.rosbridge_port),
+            "LASERBOT_RELAY_PORT": str(self.relay_port),
             "LASERBOT_ARENA_PORT": str(self.arena_port),
             **variables,
         }

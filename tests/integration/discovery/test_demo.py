@@ -24,7 +24,7 @@ def test_others_reach_the_game(lan: Lan) -> None:
     try:
         output = demo.wait_for("Ctrl-C stops everything", 90)
         assert f"In this network the game is at\n  http://10.9.0.1:{port}\n" in output
-        for page, answer in ((port, "200"), ("8080", "200"), ("9090", "426")):  # rosbridge wants a WebSocket
+        for page, answer in ((port, "200"), ("8080", "200"), ("9090", "426"), ("9091", "426")):  # two want a WebSocket
             url = f"http://10.9.0.1:{page}"
             assert other.run("curl", "-s", "-o", "/dev/null", "-w", "%{http_code}", url) == answer
         ears = other.python(EARS)
