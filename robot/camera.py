@@ -81,7 +81,13 @@ async def run(settings: CameraSettings, environ: dict[str, str]) -> int:
     with tempfile.TemporaryDirectory(prefix="laserbot-camera-") as folder:
         at = Path(folder) / "ustreamer"
         door = Door(at, MasterAddresses(environ).has)
-        await door.open(settings.port)
+        try:
+            await door.open(settings.port)
+        except OSError as error:
+            port, variable = settings.port, variables.CAMERA_PORT.name
+            cure = f"stop the program that uses it, or set {variable}"
+            _log.error("cannot listen on port %d: %s; %s", port, error.strerror, cure)
+            return 1
         camera = await asyncio.create_subprocess_exec(*settings.command(at), process_group=0)
         _log.info("camera %s: the master gets its pictures at port %d", settings.device or "(none)", settings.port)
         try:
@@ -130,16 +136,7 @@ def main() -> int:
     if not shutil.which("ustreamer"):
         _log.error("ustreamer is not installed: apt-get install ustreamer")
         return 1
-    try:
-        return asyncio.run(run(settings, dict(os.environ)))
-    except OSError as error:
-        _log.error(
-            "cannot listen on port %d: %s; stop the program that uses it, or set %s",
-            settings.port,
-            error.strerror,
-            variables.CAMERA_PORT.name,
-        )
-        return 1
+    return asyncio.run(run(settings, dict(os.environ)))
 
 
 if __name__ == "__main__":
