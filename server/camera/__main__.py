@@ -13,7 +13,6 @@ from server.camera.sight import Sight
 from server.event_loop import live, ros_node, warn_of_arguments, work_in_loop
 from server.node import Node, read_arguments
 from server.rosbridge.handshake import OwnPages, own_names
-from server.rosbridge.identity import Identity
 from server.rosbridge.websocket.server import WebSocketServer
 
 _log = logging.getLogger(__name__)
@@ -32,15 +31,9 @@ def main() -> int:
 
 async def _relay(node: Node, settings: Settings, listener: socket.socket) -> None:
     pages = OwnPages(settings.web_port, settings.origins, own_names())
-
-    def identity_of(origin: str | None, host: str | None, cookies: list[str]) -> Identity | None:
-        """A page from elsewhere gets nothing: a browser in this network would show it the hall."""
-        is_strange = origin is not None and not pages.has(origin, host)
-        return None if is_strange else pages.identity_of(origin, host, cookies)
-
     async with ros_node(node, RELAY_NODE) as own_node:
         relay = Relay(own_node, Sight(settings.operator_token), settings.viewers, settings.rate)
-        async with WebSocketServer(relay, listener, identity_of, limits_of(settings.viewers)):
+        async with WebSocketServer(relay, listener, pages.identity_of, limits_of(settings.viewers)):
             _log.info("listening on %s port %d", settings.node.bind, settings.node.port)
             await live(node)
 

@@ -22,6 +22,8 @@ class Sight(People):
 
     def refuses(self, who: Identity, robot: int) -> str:
         """Why this viewer may not look through the robot's camera now; empty: he may."""
+        if who.foreign:  # a browser in this network would show the hall to whoever has made the page
+            return "this page is not at the game's own address: sign in to see through the cameras"
         player = self.player(who)
         if not self._running or who.operator or self.is_own(who, robot):
             return ""

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from rosgraph.network import get_host_name
 
 from laser_bot_battle.names import SESSION_COOKIE
-from server.rosbridge.identity import GUEST, Identity, session_identity
+from server.rosbridge.identity import FOREIGN_GUEST, GUEST, Identity, session_identity
 
 # As browsers write them: RFC 6454 6.2 (Origin) and RFC 9110 7.2 (Host); names in any script come as xn--...
 _AUTHORITY = r"(?P<host>[a-z0-9._-]+|\[[0-9a-f:.]+\])(?::(?P<port>[0-9]{1,5}))?"
@@ -39,14 +39,14 @@ class OwnPages:
         """The identity by the values of the handshake's headers Origin, Host and Cookie.
 
         A browser sends our cookie whatever page opens the WebSocket. A page that is not the game's must not act for the
-        player, so its cookie is ignored: it may watch. Programs that send no Origin choose their cookies themselves.
+        player, so its cookie is ignored. Programs that send no Origin choose their cookies themselves.
         """
-        if origin is not None and not self.has(origin, host):
-            return GUEST
+        if origin is not None and not self._has(origin, host):
+            return FOREIGN_GUEST
         token = session_token(cookies)
         return session_identity(token) if token else GUEST
 
-    def has(self, origin: str, host: str | None) -> bool:
+    def _has(self, origin: str, host: str | None) -> bool:
         """Whether a page of `origin`, which reaches this machine as `host`, is one of the game's."""
         page, here = origin_of(origin), _HOST.fullmatch((host or "").lower())
         if page is None:

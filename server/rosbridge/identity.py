@@ -20,9 +20,11 @@ class Identity(NamedTuple):
 
     session: str = ""
     operator: bool = False
+    foreign: bool = False  # a guest whose page is not the game's
 
 
 GUEST = Identity()
+FOREIGN_GUEST = Identity(foreign=True)
 OPERATOR = Identity(operator=True)
 
 

@@ -17,11 +17,10 @@ from server.rosbridge.websocket.house import House
 
 MAX_HEAD = 16 * 2**10  # bytes; a page's cookies for this host are in it
 END_OF_HEAD = b"\r\n\r\n"
-STRANGE_PAGE = "this page is not the game's: LASERBOT_ORIGINS can name further addresses of its pages\n"
 NO_HANDSHAKE = "this is no HTTP request that a WebSocket begins with\n"
 
-# By Origin, Host and all Cookie headers; None for a page that is not let in.
-Identify = Callable[[str | None, str | None, list[str]], Identity | None]
+# By Origin, Host and all Cookie headers.
+Identify = Callable[[str | None, str | None, list[str]], Identity]
 
 _log = logging.getLogger(__name__)
 
@@ -111,10 +110,6 @@ class Opening(asyncio.BufferedProtocol):
 
     def _enter(self, headers: Headers, response: Response, rest: bytes) -> None:
         identity = self._identify(only(headers, "Origin"), only(headers, "Host"), headers.get_all("Cookie"))
-        if identity is None:
-            self._house.log(self.address, f"a strange page was refused, opened by {self.address}")
-            self._refuse(plain(HTTPStatus.FORBIDDEN, STRANGE_PAGE))
-            return
         place = self._house.bridge.place(identity, self.address)
         if reason := self._house.places.refusal(place):
             self._house.log(self.address, f"a client of {self.address} was refused: {reason}")

@@ -4,7 +4,7 @@ import pytest
 
 from laser_bot_battle.msg import GameStatus, UserStatus
 from server.camera.sight import Sight
-from server.rosbridge.identity import GUEST, OPERATOR, Identity, session_identity
+from server.rosbridge.identity import FOREIGN_GUEST, GUEST, OPERATOR, Identity, session_identity
 from tests.support.documents import page
 
 # al fights with robot 0, bo has robot 1 and looks on, cy has signed out
@@ -32,6 +32,7 @@ def sight(game: int, hide: bool) -> Sight:
         *((who, game, FREE, {0, 1, 2}) for who in (BO, CY, GUEST) for game in (COUNTDOWN, PLAYING)),
         *((BO, game, HIDDEN, {1}) for game in (COUNTDOWN, PLAYING)),
         *((who, game, HIDDEN, set()) for who in (CY, GUEST) for game in (COUNTDOWN, PLAYING)),
+        *((FOREIGN_GUEST, game, hide, set()) for game in (STOPPED, COUNTDOWN, PLAYING) for hide in (FREE, HIDDEN)),
     ],
 )
 def test_the_table(who: Identity, game: int, hide: bool, seen: set[int]) -> None:
@@ -64,6 +65,7 @@ def test_the_page_has_this_table() -> None:
     assert [line for line in section.splitlines() if line.startswith("| ")][1:] == [
         "| operators | every camera, always |",
         "| a player in a countdown or battle | the own robot's only |",
+        "| a page at another address than the game's own, before it has shown a ticket | none, ever |",
         "| everybody else | every camera; with `LASERBOT_HIDE_CAMERAS=1` none but the own while a countdown or battle "
         "runs |",
     ]

@@ -15,7 +15,7 @@ from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Gate
 from server.rosbridge.globs import Globs
 from server.rosbridge.handshake import OwnPages
-from server.rosbridge.identity import GUEST, OPERATOR, session_identity
+from server.rosbridge.identity import FOREIGN_GUEST, GUEST, OPERATOR, session_identity
 from server.rosbridge.wire import RequestError
 
 AL, BO = session_identity("token-of-al"), session_identity("token-of-bo")
@@ -374,13 +374,13 @@ def test_these_are_pages_of_the_game(origin: str, host: str | None) -> None:
     ids=lambda value: ascii(value)[:60],
 )
 def test_other_pages_do_not_act_for_the_player(origin: str, host: str | None) -> None:
-    assert PAGES.identity_of(origin, host, COOKIE) == GUEST
+    assert PAGES.identity_of(origin, host, COOKIE) == FOREIGN_GUEST
 
 
 def test_a_web_server_on_the_usual_port_has_pages_without_a_port() -> None:
     assert OwnPages(80).identity_of("http://master", "master:9090", COOKIE) == AL
     assert OwnPages(443).identity_of("https://master", "master:9090", COOKIE) == AL
-    assert OwnPages(80).identity_of("https://master", "master:9090", COOKIE) == GUEST
+    assert OwnPages(80).identity_of("https://master", "master:9090", COOKIE) == FOREIGN_GUEST
 
 
 @pytest.mark.parametrize(
