@@ -1,0 +1,102 @@
+"""The relay as its users find it: a process between a real ROS master, cameras, and real WebSockets."""
+
+from collections.abc import Callable, Iterator
+from itertools import count
+
+import pytest
+
+from laser_bot_battle.master import Master
+from laser_bot_battle.names import camera_parameter
+from tests.integration.rosbridge.ends import RosSide
+from tests.support.fake_camera import FakeCamera
+from tests.support.ports import free_port
+from tests.support.programs import Program
+from tests.support.ros import RosMaster, own_master, ros_master
+from tests.support.viewer import Viewer
+
+__all__ = ["own_master", "ros_master"]
+
+STOPPED, COUNTDOWN, PLAYING = 0, 1, 2
+
+
+class Relay:
+    """`python3 -m server.camera` on a free port."""
+
+    def __init__(self, master: RosMaster, **variables: str) -> None:
+        self.port = free_port()
+        settings = {"LASERBOT_RELAY_PORT": str(self.port), "LASERBOT_OPERATOR_TOKEN": "operator token"}
+        self.program = Program.python("server.camera", env={**master.env, **settings, **variables})
+
+
+def tell_camera(master: RosMaster, robot: int, url: str) -> None:
+    """The robot has told the ROS master where its camera is."""
+    Master(master.uri, "test").call("setParam", camera_parameter(robot), url)
+
+
+@pytest.fixture(scope="module")
+def start_relay(ros_master: RosMaster) -> Iterator[Callable[..., Relay]]:
+    """Starts relays; all are ended, and none may have written a traceback."""
+    started: list[Relay] = []
+
+    def start(**variables: str) -> Relay:
+        started.append(Relay(ros_master, **variables))
+        started[-1].program.wait_for("listening")
+        return started[-1]
+
+    yield start
+    for relay in started:
+        relay.program.stop()
+        assert "Traceback" not in relay.program.output, relay.program.output
+
+
+@pytest.fixture(scope="module")
+def relay(start_relay: Callable[..., Relay]) -> Relay:
+    """One relay for all tests of a module: everybody in them comes from the same address."""
+    return start_relay(LASERBOT_RELAY_VIEWERS="400")
+
+
+@pytest.fixture(scope="module")
+def referee(ros_master: RosMaster) -> Iterator[RosSide]:
+    """Speaks by `status`; in the beginning, no battle is running and nobody is signed in."""
+    side = RosSide(ros_master.env)
+    side.status(STOPPED)
+    yield side
+    side.close()
+
+
+@pytest.fixture(scope="module")
+def robots() -> Iterator[int]:
+    """Their IDs: each test has robots of its own, so that no camera of an earlier one lingers."""
+    return count(1)
+
+
+@pytest.fixture
+def camera(ros_master: RosMaster, robots: Iterator[int]) -> Iterator[Callable[..., tuple[int, FakeCamera]]]:
+    """Starts robots' cameras: the robot's ID, and its camera."""
+    cameras: list[FakeCamera] = []
+
+    def start(rate: float = 20.0, size: int = 10_000) -> tuple[int, FakeCamera]:
+        robot = next(robots)
+        cameras.append(FakeCamera(rate, size))
+        cameras[-1].start()
+        tell_camera(ros_master, robot, cameras[-1].url)
+        return robot, cameras[-1]
+
+    yield start
+    for started in cameras:
+        started.stop()
+
+
+@pytest.fixture
+def viewer(relay: Relay, referee: RosSide) -> Iterator[Callable[..., Viewer]]:
+    """Connects viewers (`token` for the session cookie, further headers by name); all are closed after the test."""
+    viewers: list[Viewer] = []
+
+    def connect(token: str = "", **headers: str) -> Viewer:
+        viewers.append(Viewer(relay.port, token, **headers))
+        return viewers[-1]
+
+    yield connect
+    for connected in viewers:
+        connected.close()
+    referee.status(STOPPED)

@@ -1,0 +1,125 @@
+"""Somebody who looks through the cameras' relay, on a bare socket: cheap enough for a crowd (docs/protocol-camera.md)."""
+
+import json
+import select
+import struct
+import time
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from tests.support.bare import BINARY, CLOSE, PING, PONG, TEXT, BareClient, frame
+from tests.support.fake_camera import Mark, mark_of
+from tests.support.polling import patience
+
+_HEADER = struct.Struct("<B3xIdd")
+
+
+class Shot(NamedTuple):
+    """A picture, as it has come."""
+
+    robot: int
+    number: int
+    taken: float  # s, Unix time of the relay
+    sent: float
+    jpeg: bytes
+
+    @property
+    def mark(self) -> Mark:
+        """Of a FakeCamera's picture."""
+        return mark_of(self.jpeg)
+
+
+class Viewer(BareClient):
+    """Draws each picture at once, and says so. `states` are the states that were told, `shots` counts the pictures."""
+
+    def __init__(self, port: int, token: str = "", *, receive_buffer: int = 0, **headers: str) -> None:
+        """`token` is that of the session cookie."""
+        if token:
+            headers["Cookie"] = f"laserbot_session={token}"
+        super().__init__(port, headers, receive_buffer=receive_buffer)
+        self.states: list[tuple[int, str, str]] = []  # robot, state, reason
+        self.shots = 0
+        self.draws = True  # says `seen`
+
+    def watch(self, robot: int | None) -> None:
+        self.say("watch", robot=robot)
+
+    def operate(self, token: str = "operator token") -> "Viewer":
+        self.say("auth", mac=token)
+        return self
+
+    def figures(self) -> dict[str, Any]:
+        """An operator's; pictures may come before."""
+        self.say("figures")
+        return self.wait(lambda message: isinstance(message, dict) and message["op"] == "figures")
+
+    def next(self) -> dict[str, Any] | Shot:
+        """The next message. TimeoutError after 10 s, ConnectionError at the end."""
+        while True:
+            opcode, payload = self.hear_frame()
+            if opcode == PING:
+                self.send(frame(payload, PONG))
+            elif opcode == CLOSE:
+                raise ConnectionError(f"closed with {int.from_bytes(payload[:2], 'big')}")
+            elif opcode == TEXT:
+                return self._told(json.loads(payload))
+            elif opcode == BINARY:
+                return self._shown(payload)
+
+    def wait(self, wanted: Callable[[Any], bool], seconds: float = 10.0) -> Any:
+        """The next message that is wanted; AssertionError when none has come in time."""
+        deadline = time.monotonic() + seconds * patience()
+        while time.monotonic() < deadline:
+            message = self.next()
+            if wanted(message):
+                return message
+        raise AssertionError(f"not within {seconds} s; {self.states=}, {self.shots=}")
+
+    def picture(self, of: Callable[[Shot], bool] = lambda shot: True) -> Shot:
+        """The next picture `of` which it is."""
+        shot: Shot = self.wait(lambda message: isinstance(message, Shot) and of(message))
+        return shot
+
+    def state(self, state: str, robot: int | None = None) -> str:
+        """Wait until the relay tells this state of the camera; its reason."""
+        told = self.wait(
+            lambda message: (
+                isinstance(message, dict)
+                and (message["op"], message.get("state")) == ("camera", state)
+                and robot in (None, message["robot"])
+            )
+        )
+        return str(told["reason"])
+
+    def error(self) -> str:
+        """Wait until a status of level error comes; its text."""
+        message = self.wait(lambda message: isinstance(message, dict) and message["op"] == "status")
+        assert message["level"] == "error"
+        return str(message["msg"])
+
+    def drain(self) -> list[dict[str, Any] | Shot]:
+        """All that has come already."""
+        messages = []
+        while self._received or select.select([self.socket], [], [], 0)[0]:
+            messages.append(self.next())
+        return messages
+
+    def sees_nothing_while(self, other: "Viewer", pictures: int = 5) -> bool:
+        """AssertionError when a picture comes, while the `other` gets so many."""
+        self.drain()
+        for _ in range(pictures):
+            other.picture()
+        shots = [message for message in self.drain() if isinstance(message, Shot)]
+        assert not shots, f"{len(shots)} pictures of robot {shots[0].robot}"
+        return True
+
+    def _told(self, message: dict[str, Any]) -> dict[str, Any]:
+        if message["op"] == "camera":
+            self.states.append((message["robot"], message["state"], message["reason"]))
+        return message
+
+    def _shown(self, payload: bytes) -> Shot:
+        self.shots += 1
+        if self.draws:
+            self.say("seen")
+        return Shot(*_HEADER.unpack_from(payload), payload[_HEADER.size :])
