@@ -1,10 +1,10 @@
-"""Somebody who looks through the cameras' relay, on a bare socket: cheap enough for a crowd (docs/protocol-camera.md)."""
+"""Who looks through the cameras' relay, on a bare socket: cheap enough for a crowd (docs/protocol-camera.md)."""
 
 import json
 import select
 import struct
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from tests.support.bare import BINARY, CLOSE, PING, PONG, TEXT, BareClient, frame
@@ -32,11 +32,12 @@ class Shot(NamedTuple):
 class Viewer(BareClient):
     """Draws each picture at once, and says so. `states` are the states that were told, `shots` counts the pictures."""
 
-    def __init__(self, port: int, token: str = "", *, receive_buffer: int = 0, **headers: str) -> None:
+    def __init__(
+        self, port: int, token: str = "", headers: Mapping[str, str] | None = None, *, receive_buffer: int = 0
+    ) -> None:
         """`token` is that of the session cookie."""
-        if token:
-            headers["Cookie"] = f"laserbot_session={token}"
-        super().__init__(port, headers, receive_buffer=receive_buffer)
+        cookie = {"Cookie": f"laserbot_session={token}"} if token else {}
+        super().__init__(port, {**cookie, **(headers or {})}, receive_buffer=receive_buffer)
         self.states: list[tuple[int, str, str]] = []  # robot, state, reason
         self.shots = 0
         self.draws = True  # says `seen`
@@ -53,9 +54,10 @@ class Viewer(BareClient):
         self.say("figures")
         return self.wait(lambda message: isinstance(message, dict) and message["op"] == "figures")
 
-    def next(self) -> dict[str, Any] | Shot:
-        """The next message. TimeoutError after 10 s, ConnectionError at the end."""
-        while True:
+    def next(self, seconds: float = 10.0) -> dict[str, Any] | Shot:
+        """The next message. AssertionError when none has come in time, ConnectionError at the end."""
+        deadline = time.monotonic() + seconds * patience()
+        while time.monotonic() < deadline:
             opcode, payload = self.hear_frame()
             if opcode == PING:
                 self.send(frame(payload, PONG))
@@ -65,6 +67,7 @@ class Viewer(BareClient):
                 return self._told(json.loads(payload))
             elif opcode == BINARY:
                 return self._shown(payload)
+        raise AssertionError(f"nothing within {seconds} s; {self.states=}, {self.shots=}")
 
     def wait(self, wanted: Callable[[Any], bool], seconds: float = 10.0) -> Any:
         """The next message that is wanted; AssertionError when none has come in time."""
@@ -90,6 +93,11 @@ class Viewer(BareClient):
             )
         )
         return str(told["reason"])
+
+    def waits(self, reason: str) -> bool:
+        """Wait until the relay tells that pictures are awaited, and this reason."""
+        self.wait(lambda message: isinstance(message, dict) and message.get("reason") == reason)
+        return self.states[-1][1] == "waiting"
 
     def error(self) -> str:
         """Wait until a status of level error comes; its text."""
@@ -122,4 +130,13 @@ class Viewer(BareClient):
         self.shots += 1
         if self.draws:
             self.say("seen")
-        return Shot(*_HEADER.unpack_from(payload), payload[_HEADER.size :])
+        robot, number, taken, sent = _HEADER.unpack_from(payload)
+        return Shot(robot, number, taken, sent, payload[_HEADER.size :])
+
+
+def look(viewers: Iterable[Viewer], is_over: Callable[[], bool]) -> None:
+    """All of them read whatever comes, until it is over."""
+    by_socket = {viewer.socket: viewer for viewer in viewers}
+    while not is_over():
+        for ready in select.select(list(by_socket), [], [], 1.0)[0]:
+            by_socket[ready].drain()

@@ -1,6 +1,6 @@
 """The relay as its users find it: a process between a real ROS master, cameras, and real WebSockets."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from itertools import count
 
 import pytest
@@ -89,11 +89,11 @@ def camera(ros_master: RosMaster, robots: Iterator[int]) -> Iterator[Callable[..
 
 @pytest.fixture
 def viewer(relay: Relay, referee: RosSide) -> Iterator[Callable[..., Viewer]]:
-    """Connects viewers (`token` for the session cookie, further headers by name); all are closed after the test."""
+    """Connects viewers (`token` for the session cookie, and further headers); all are closed after the test."""
     viewers: list[Viewer] = []
 
-    def connect(token: str = "", **headers: str) -> Viewer:
-        viewers.append(Viewer(relay.port, token, **headers))
+    def connect(token: str = "", headers: Mapping[str, str] | None = None, receive_buffer: int = 0) -> Viewer:
+        viewers.append(Viewer(relay.port, token, headers, receive_buffer=receive_buffer))
         return viewers[-1]
 
     yield connect

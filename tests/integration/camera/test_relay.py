@@ -130,7 +130,7 @@ def test_what_is_no_request_is_answered_and_changes_nothing(camera: Start, viewe
     someone.picture()
     for fields in ({"op": "watch", "robot": -1}, {"op": "watch", "robot": 128}, {"op": "watch", "robot": "3"},
                    {"op": "watch", "robot": True}, {"op": "subscribe"}, {"op": 1}, {"op": "auth"}):  # fmt: skip
-        someone.say(**fields)  # type: ignore[arg-type]
+        someone.say(**fields)
         assert someone.error()
     assert someone.picture().robot == robot
 
