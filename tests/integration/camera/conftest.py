@@ -2,6 +2,8 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from itertools import count
+from types import TracebackType
+from typing import Self
 
 import pytest
 
@@ -20,12 +22,24 @@ STOPPED, COUNTDOWN, PLAYING = 0, 1, 2
 
 
 class Relay:
-    """`python3 -m server.camera` on a free port."""
+    """`python3 -m server.camera` on a free port. In a `with` it listens, and ends without a traceback."""
 
     def __init__(self, master: RosMaster, **variables: str) -> None:
         self.port = free_port()
         settings = {"LASERBOT_RELAY_PORT": str(self.port), "LASERBOT_OPERATOR_TOKEN": "operator token"}
         self.program = Program.python("server.camera", env={**master.env, **settings, **variables})
+
+    def __enter__(self) -> Self:
+        try:
+            self.program.wait_for("listening")
+        except BaseException:
+            self.program.kill()
+            raise
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
+        self.program.stop()
+        assert "Traceback" not in self.program.output, self.program.output
 
 
 def tell_camera(master: RosMaster, robot: int, url: str) -> None:
@@ -34,25 +48,10 @@ def tell_camera(master: RosMaster, robot: int, url: str) -> None:
 
 
 @pytest.fixture(scope="module")
-def start_relay(ros_master: RosMaster) -> Iterator[Callable[..., Relay]]:
-    """Starts relays; all are ended, and none may have written a traceback."""
-    started: list[Relay] = []
-
-    def start(**variables: str) -> Relay:
-        started.append(Relay(ros_master, **variables))
-        started[-1].program.wait_for("listening")
-        return started[-1]
-
-    yield start
-    for relay in started:
-        relay.program.stop()
-        assert "Traceback" not in relay.program.output, relay.program.output
-
-
-@pytest.fixture(scope="module")
-def relay(start_relay: Callable[..., Relay]) -> Relay:
+def relay(ros_master: RosMaster) -> Iterator[Relay]:
     """One relay for all tests of a module: everybody in them comes from the same address."""
-    return start_relay(LASERBOT_RELAY_VIEWERS="400")
+    with Relay(ros_master, LASERBOT_RELAY_VIEWERS="400") as relay:
+        yield relay
 
 
 @pytest.fixture(scope="module")

@@ -154,6 +154,10 @@ def test_a_camera_whose_program_is_started_again_is_found(camera: Start, viewer:
     first = someone.picture()
     eye.stop()
     assert someone.waits("the camera cannot be reached")
+    late = viewer()
+    late.watch(robot)
+    assert late.state("waiting")
+    assert late.drain() == []  # what was last seen is no news
     eye.start()
     someone.state("live")
     assert someone.picture().number > first.number
