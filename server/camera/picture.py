@@ -9,7 +9,6 @@ from server.camera.multipart import Part, StreamError
 
 _HEADER = struct.Struct("<B3xIdd")  # robot, number, taken, sent
 _BEGIN, _END = b"\xff\xd8\xff", b"\xff\xd9"
-MAX_LATENCY = 60.0  # s between camera and stream on the robot; ustreamer tells nonsense while the camera is away
 
 
 class Picture(NamedTuple):
@@ -32,12 +31,11 @@ def picture_of(part: Part, robot: int, number: int, offset: ClockOffset, receive
     stamp = _seconds(part.headers.get("x-timestamp", ""))
     if stamp is None:
         raise StreamError("the camera does not tell when a picture was taken")
-    # ustreamer's time stamp is that of sending, and its latency all that came before
-    latency = _seconds(part.headers.get("x-ustreamer-latency", "0"))
-    taken = stamp + offset.sample(stamp, received)
-    if latency is not None and latency <= MAX_LATENCY:
-        taken -= latency
     online = part.headers.get("x-ustreamer-online", "true").lower() != "false"
+    # ustreamer's time stamp is that of sending, and its latency all that came before. While the camera is away, the
+    # latency is the time since the robot was switched on.
+    latency = (online and _seconds(part.headers.get("x-ustreamer-latency", ""))) or 0.0
+    taken = stamp + offset.sample(stamp, received) - latency
     return Picture(robot, number, taken, online, jpeg)
 
 

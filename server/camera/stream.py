@@ -40,7 +40,7 @@ async def follow(address: Address, received: Callable[[Part], None]) -> None:
     try:
         async with asyncio.timeout(CONNECT):
             reader, writer = await asyncio.open_connection(address.host, address.port, limit=CHUNK)
-    except OSError:
+    except (OSError, UnicodeError):  # the latter for what can be no name, such as a..b
         raise StreamError("the camera cannot be reached") from None
     host = f"[{address.host}]" if ":" in address.host else address.host
     request = f"GET {address.path}/stream?extra_headers=1 HTTP/1.0\r\nHost: {host}:{address.port}\r\n\r\n"

@@ -1,5 +1,4 @@
-"""Cameras that are away, sick, or none: viewers are told why, nobody else notices, and a camera that is well again is
-found."""
+"""Cameras that are away, sick, or none: viewers are told why, others do not notice, and who is well again is found."""
 
 import time
 from collections.abc import Callable
@@ -183,6 +182,17 @@ def test_a_wrong_address_is_told(viewer: Connect, ros_master: RosMaster, robots:
     someone = viewer()
     someone.watch(robot)
     assert someone.waits("the robot tells a wrong address of its camera")
+
+
+@pytest.mark.parametrize("name", ["a..b", "x" * 70, "[::::]"])
+def test_an_address_whose_name_can_be_none_is_told(
+    viewer: Connect, ros_master: RosMaster, robots: Any, name: str
+) -> None:
+    robot = next(robots)
+    tell_camera(ros_master, robot, f"http://{name}:8090")
+    someone = viewer()
+    someone.watch(robot)
+    assert someone.waits("the camera cannot be reached")
 
 
 def test_an_address_where_nobody_is_and_one_that_is_corrected(

@@ -65,7 +65,7 @@ def test_the_page_has_this_table() -> None:
     assert [line for line in section.splitlines() if line.startswith("| ")][1:] == [
         "| operators | every camera, always |",
         "| a player in a countdown or battle | the own robot's only |",
-        "| a page at another address than the game's own, before it has shown a ticket | none, ever |",
+        "| a page at another address than the game's own, before it has shown a ticket | none |",
         "| everybody else | every camera; with `LASERBOT_HIDE_CAMERAS=1` none but the own while a countdown or battle "
         "runs |",
     ]
