@@ -1,5 +1,6 @@
 """Viewers that do not read, or pretend to: they cost themselves their pictures, and nobody else time or memory."""
 
+import contextlib
 import statistics
 import threading
 import time
@@ -48,10 +49,11 @@ def test_who_never_reads_delays_nobody_costs_little_and_is_given_up(
     for _ in range(60):
         ages.append(-quick.picture().mark.made + time.monotonic())
         for each in stuck:
-            each.say("seen")  # as if it had drawn what it has not even read
+            with contextlib.suppress(OSError):  # on a slow machine, it may have been given up already
+                each.say("seen")  # as if it had drawn what it has not even read
     assert statistics.median(ages) < 0.1 * patience()
-    # each may cost a picture that waits for it, and none of the 60 that came meanwhile
-    assert resident(relay) - before < 20 * 2 * 200_000 + 8 * 2**20
+    # none keeps any of the 60 pictures of 200 kB that came meanwhile
+    assert resident(relay) - before < 10 * 2**20
     assert operator.figures()["mbit"] < 2 * 32  # what is not sent does not count: there is one who reads
     relay.program.wait_for("given up, it has not read for 5 s", 15)
     assert quick.picture().robot == robot
