@@ -10,6 +10,7 @@ from aiohttp import web
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.settings import describe, read_or_exit
 from sim.arena.ambient import Ambient, add_options
+from sim.arena.eyes.pages import EyePages
 from sim.arena.floor import BATTLE_FLOOR
 from sim.arena.link import Link
 from sim.arena.settings import VARIABLES, Settings
@@ -20,12 +21,13 @@ from sim.lifecycle import live_until, signalled
 _log = logging.getLogger(__name__)
 
 
-async def run(settings: Settings, light: Ambient) -> None:
+async def run(settings: Settings, light: Ambient, timecode: bool) -> None:
     """Serve, in that light, until SIGINT or SIGTERM; OSError if a port cannot be had."""
     end = signalled()
     world = World(BATTLE_FLOOR)
     link = Link(world, light)
-    page = web.AppRunner(View(world, settings.rosbridge_port).app(), access_log=None, shutdown_timeout=1.0)
+    view = View(world, settings.rosbridge_port, EyePages(world, light, timecode))
+    page = web.AppRunner(view.app(), access_log=None, shutdown_timeout=1.0)
     await page.setup()
     try:
         await link.start(settings.bind, settings.link_port)
@@ -46,11 +48,12 @@ def main() -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_options(parser)
-    light = Ambient.of(parser.parse_args())
+    parser.add_argument("--timecode", action="store_true", help="what robots see carries its time, to measure delays")
+    options = parser.parse_args()
     settings = read_or_exit("arena", Settings.from_env)
     configure_logging(settings.log_level)
     try:
-        asyncio.run(run(settings, light))
+        asyncio.run(run(settings, Ambient.of(options), options.timecode))
     except OSError as error:
         print(f"arena: cannot listen: {error.strerror}; is another arena running?", file=sys.stderr)
         return 1

@@ -13,6 +13,7 @@ from typing import Any
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from laser_bot_battle.hosts import is_valid_host
+from sim.arena.eyes.pages import EyePages
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
 from sim.arena.policy import page_policy
@@ -75,9 +76,10 @@ def state_message(world: World, now: float, start: float = 0.0) -> dict[str, Any
 class View:
     """The HTTP side. Every viewer gets the newest state when it can take one; a slow one skips states."""
 
-    def __init__(self, world: World, rosbridge_port: int) -> None:
+    def __init__(self, world: World, rosbridge_port: int, eyes: EyePages) -> None:
         """Pages find the game's rosbridge at `rosbridge_port` of the host that they came from."""
         self._world = world
+        self._eyes = eyes
         self._rosbridge_port = rosbridge_port
         self._files = _files()
         page = (STATIC / "arena.html").read_text()
@@ -92,6 +94,7 @@ class View:
         app.router.add_get("/", self._page)
         app.router.add_get("/view", self._view)
         app.router.add_static(self._files, STATIC)
+        self._eyes.add_to(app)
         app.cleanup_ctx.append(self._run_clock)
         app.on_shutdown.append(self._say_goodbye)  # type: ignore[arg-type]  # typed for an older aiosignal
         return app
@@ -111,10 +114,12 @@ class View:
             refusal.headers.update(headers)
             raise
         if not response.prepared:  # is no WebSocket
-            response.headers.update(headers)
+            for name, value in headers.items():
+                response.headers.setdefault(name, value)  # the eyes' pictures have an own Cache-Control
             if request.path.startswith(self._files):
                 response.headers.update(KEPT)
-            response.enable_compression()  # page and scripts take a third of their size
+            if response.content_type != "image/jpeg":
+                response.enable_compression()  # page and scripts take a third of their size
         return response
 
     async def _say_goodbye(self, _app: web.Application) -> None:

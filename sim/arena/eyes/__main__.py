@@ -1,0 +1,27 @@
+"""`python3 -m sim.arena.eyes`: paints what robots see. The arena starts it; frames come by stdin and go by stdout."""
+
+import os
+import signal
+import sys
+
+from sim.arena.eyes.picture import Painter
+from sim.arena.eyes.scene import Room, Scene, frame_of, read_frame
+
+NICENESS = 5  # on a machine with too few cores, the robots' processors and light come first
+
+
+def main() -> None:
+    """Answer each scene with its JPEG until stdin ends, as it does with the arena however that ends."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the arena ends this one
+    os.nice(NICENESS)
+    room = read_frame(sys.stdin.buffer)
+    if room is None:
+        return
+    painter = Painter(Room.decode(room))
+    while (scene := read_frame(sys.stdin.buffer)) is not None:
+        sys.stdout.buffer.write(frame_of(painter.jpeg(Scene.decode(scene))))
+        sys.stdout.buffer.flush()
+
+
+if __name__ == "__main__":
+    main()

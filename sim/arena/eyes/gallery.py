@@ -1,0 +1,149 @@
+"""Who looks through which robot's eyes: pictures are painted for them, RATE a second, and for nobody else."""
+
+import asyncio
+import logging
+import time
+from dataclasses import dataclass, field
+from typing import NamedTuple, NoReturn
+
+from sim.arena.ambient import Ambient
+from sim.arena.eyes.scene import Body, Room, Scene
+from sim.arena.eyes.studio import Studio, StudioError, studio
+from sim.arena.geometry import METRES_PER_HALF_STEP
+from sim.arena.light import BEAM_RANGE, free_distance
+from sim.arena.world import Robot, World
+
+RATE = 20  # pictures a second of each robot
+LINGER = 5.0  # s without anybody who looks until the process that paints is ended
+RETRY = 0.5  # s from the end of one such process to the next
+
+_log = logging.getLogger(__name__)
+
+
+class Picture(NamedTuple):
+    taken: float  # Unix time in s
+    jpeg: bytes
+
+
+@dataclass(eq=False)
+class Eye:
+    """A robot's eyes while somebody looks through them: the newest picture, and a bell for the next one."""
+
+    lookers: int = 0
+    picture: Picture | None = None
+    closed: bool = False  # the robot has left, or the arena ends
+    _bell: asyncio.Event = field(default_factory=asyncio.Event)
+
+    async def after(self, last: Picture | None) -> Picture | None:
+        """The newest picture as soon as that is not `last`; None when there will be no more."""
+        while self.picture is last and not self.closed:
+            await self._bell.wait()
+        return None if self.closed else self.picture
+
+    def show(self, picture: Picture) -> None:
+        self.picture = picture
+        self._ring()
+
+    def close(self) -> None:
+        self.closed = True
+        self._ring()
+
+    def _ring(self) -> None:
+        self._bell.set()
+        self._bell = asyncio.Event()
+
+
+class Gallery:
+    """The eyes that somebody looks through. For the event loop's thread."""
+
+    def __init__(self, world: World, ambient: Ambient, timecode: bool) -> None:
+        self._world = world
+        self._room = Room(world.floor.width, world.floor.height, world.floor.walls, ambient, timecode)
+        self._eyes: dict[str, Eye] = {}
+        self._wanted = asyncio.Event()
+        self._lookers = 0
+
+    @property
+    def lookers(self) -> int:
+        return self._lookers
+
+    def open(self, name: str) -> Eye:
+        """One more looks through the eyes of the robot `name`, until `leave` is called."""
+        eye = self._eyes.setdefault(name, Eye())
+        eye.lookers += 1
+        self._lookers += 1
+        self._wanted.set()
+        return eye
+
+    def leave(self, name: str, eye: Eye) -> None:
+        eye.lookers -= 1
+        self._lookers -= 1
+        if not eye.lookers and self._eyes.get(name) is eye:
+            del self._eyes[name]
+        if not self._eyes:
+            self._wanted.clear()
+
+    def close(self) -> None:
+        """Everybody has seen the last picture."""
+        for eye in self._eyes.values():
+            eye.close()
+
+    async def paint_for_ever(self) -> NoReturn:
+        """Whenever somebody looks."""
+        while True:
+            await self._wanted.wait()
+            try:
+                async with studio(self._room) as painters:
+                    await self._paint(painters)
+            except StudioError as error:
+                _log.warning("the process that paints what robots see is started again: %s", error)
+                await asyncio.sleep(RETRY)
+
+    async def _paint(self, painters: Studio) -> None:
+        """Until nobody has looked for some time."""
+        loop = asyncio.get_running_loop()
+        due = loop.time()
+        while await self._is_wanted():
+            for name, eye in list(self._eyes.items()):
+                if name in self._world.robots:
+                    scene = scene_of(self._world, name, loop.time(), time.time())
+                    eye.show(Picture(scene.taken, await painters.paint(scene)))
+                else:
+                    del self._eyes[name]
+                    eye.close()
+            if not self._eyes:
+                self._wanted.clear()
+            due = max(due + 1 / RATE, loop.time())  # pictures for which there was no time are left out
+            await asyncio.sleep(due - loop.time())
+
+    async def _is_wanted(self) -> bool:
+        try:
+            async with asyncio.timeout(LINGER):
+                await self._wanted.wait()
+        except TimeoutError:
+            return False
+        return True
+
+
+def scene_of(world: World, eye: str, now: float, taken: float) -> Scene:
+    """The world as the robot `eye` sees it at `now` (s of the arena's clock), which is `taken` in Unix time."""
+    robots = tuple(_body(world, robot, now) for robot in world.robots.values())
+    return Scene(eye, now, taken, robots)
+
+
+def _body(world: World, robot: Robot, now: float) -> Body:
+    shines = robot.is_shining(now)
+    left, right = robot.wheels or (0, 0)
+    pose = robot.pose
+    others = [other.pose.point for other in world.robots.values() if other is not robot]
+    return Body(
+        name=robot.name,
+        id=robot.id,
+        x=pose.x,
+        y=pose.y,
+        heading=pose.heading,
+        beam=shines,
+        lit=robot.is_lit(now),
+        reach=free_distance(pose.emitter, pose.heading, world.floor.walls, others, BEAM_RANGE) if shines else 0.0,
+        rolled=(-left * METRES_PER_HALF_STEP, right * METRES_PER_HALF_STEP),
+    )

@@ -1,0 +1,129 @@
+"""The eyes' pictures by HTTP, as ustreamer has those of a camera: /eyes/<robot>/stream and /eyes/<robot>/snapshot."""
+
+import asyncio
+import contextlib
+import logging
+import socket
+from collections.abc import AsyncIterator, Iterator
+
+from aiohttp import web
+
+from sim.arena.ambient import Ambient
+from sim.arena.eyes.gallery import Eye, Gallery, Picture
+from sim.arena.world import World
+
+MAX_CONNECTIONS = 32  # the relay has one for each robot
+MAX_UNSENT = 16_384  # bytes on the way to one reader; more would be old pictures
+SEND_SECONDS = 5.0  # for one picture; a reader that takes longer is gone
+SNAPSHOT_SECONDS = 5.0  # until there is a picture
+BOUNDARY = "boundarydonotcross"  # ustreamer's
+HEADERS = {"Cache-Control": "no-store", "Connection": "close"}
+
+_log = logging.getLogger(__name__)
+
+
+class EyePages:
+    """The paths below /eyes."""
+
+    def __init__(self, world: World, ambient: Ambient, timecode: bool) -> None:
+        self._world = world
+        self._gallery = Gallery(world, ambient, timecode)
+
+    def add_to(self, app: web.Application) -> None:
+        app.router.add_get("/eyes/{robot}/stream", self._stream)
+        app.router.add_get("/eyes/{robot}/snapshot", self._snapshot)
+        app.cleanup_ctx.append(self._run_gallery)
+        app.on_shutdown.append(self._say_goodbye)  # type: ignore[arg-type]  # typed for an older aiosignal
+
+    async def _run_gallery(self, _app: web.Application) -> AsyncIterator[None]:
+        painting = asyncio.create_task(self._gallery.paint_for_ever())
+        yield
+        painting.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await painting
+
+    async def _say_goodbye(self, _app: web.Application) -> None:
+        self._gallery.close()
+
+    async def _stream(self, request: web.Request) -> web.StreamResponse:
+        robot = self._admitted(request)
+        kind = f"multipart/x-mixed-replace;boundary={BOUNDARY}"
+        stream = web.StreamResponse(headers={**HEADERS, "Content-Type": kind})
+        if request.method == "HEAD":
+            return stream
+        with self._looking(robot) as eye:
+            await stream.prepare(request)
+            _keep_little(request)
+            try:
+                await self._send(request, stream, f"--{BOUNDARY}\r\n".encode())
+                picture = None
+                while (picture := await eye.after(picture)) is not None:
+                    await self._send(request, stream, part_of(picture))
+            except TimeoutError:
+                _log.warning("one who looks through the eyes of %s has stopped reading: disconnected", robot)
+                _hang_up(request)
+            except ConnectionError:
+                pass  # whoever looked has left
+        return stream
+
+    async def _snapshot(self, request: web.Request) -> web.StreamResponse:
+        robot = self._admitted(request)
+        if request.method == "HEAD":
+            return web.Response(headers=HEADERS, content_type="image/jpeg")
+        with self._looking(robot) as eye:
+            try:
+                async with asyncio.timeout(SNAPSHOT_SECONDS):
+                    picture = await eye.after(None)
+            except TimeoutError:
+                raise web.HTTPServiceUnavailable(text="no picture could be painted in time") from None
+        if picture is None:
+            raise self._unknown(robot)
+        headers = {**HEADERS, "X-Timestamp": f"{picture.taken:.6f}"}
+        return web.Response(body=picture.jpeg, headers=headers, content_type="image/jpeg")
+
+    def _admitted(self, request: web.Request) -> str:
+        """The robot whose eyes the request is for."""
+        # a page would show them to whoever opens it; the relay knows who may see what
+        if "Origin" in request.headers or request.headers.get("Sec-Fetch-Site", "none") != "none":
+            raise web.HTTPForbidden(text="pages get the pictures from the master's relay, not from here")
+        robot = request.match_info["robot"]
+        if robot not in self._world.robots:
+            raise self._unknown(robot)
+        if self._gallery.lookers >= MAX_CONNECTIONS:
+            raise web.HTTPServiceUnavailable(text=f"{MAX_CONNECTIONS} look already")
+        return robot
+
+    def _unknown(self, robot: str) -> web.HTTPNotFound:
+        there = ", ".join(sorted(self._world.robots)) or "none"
+        return web.HTTPNotFound(text=f"no robot {robot} is on the floor; there are: {there}")
+
+    @contextlib.contextmanager
+    def _looking(self, robot: str) -> Iterator[Eye]:
+        eye = self._gallery.open(robot)
+        try:
+            yield eye
+        finally:
+            self._gallery.leave(robot, eye)
+
+    async def _send(self, request: web.Request, stream: web.StreamResponse, data: bytes) -> None:
+        async with asyncio.timeout(SEND_SECONDS):
+            await stream.write(data)
+            await request.writer.drain()  # write() waits only now and then
+
+
+def part_of(picture: Picture) -> bytes:
+    """A part of the stream, and the boundary after it."""
+    head = f"Content-Type: image/jpeg\r\nContent-Length: {len(picture.jpeg)}\r\nX-Timestamp: {picture.taken:.6f}\r\n"
+    return f"{head}\r\n".encode() + picture.jpeg + f"\r\n--{BOUNDARY}\r\n".encode()
+
+
+def _keep_little(request: web.Request) -> None:
+    """Neither this program nor the kernel stores pictures for a slow reader, who gets newer ones instead."""
+    if request.transport:
+        request.transport.set_write_buffer_limits(0)
+        request.transport.get_extra_info("socket").setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, MAX_UNSENT)
+
+
+def _hang_up(request: web.Request) -> None:
+    if request.transport:
+        request.transport.abort()

@@ -1,0 +1,69 @@
+"""The process that paints, seen from the arena: one picture at a time, and none that is late."""
+
+import asyncio
+import contextlib
+import os
+import sys
+from collections.abc import AsyncIterator
+
+from sim.arena.eyes.scene import LENGTH, MAX_FRAME, Room, Scene, frame_of
+
+START_SECONDS = 20.0  # until the first picture: NumPy is loaded and textures are painted, on a slow machine
+PAINT_SECONDS = 3.0  # for each further picture; a process that takes longer is stuck
+END_SECONDS = 1.0  # until it has ended
+
+
+class StudioError(Exception):
+    """There are no pictures from this process any more; the text says why."""
+
+
+class Studio:
+    """Asks the process for pictures. After a StudioError it gives none."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self._reader = reader
+        self._writer = writer
+        self._patience = START_SECONDS
+
+    async def paint(self, scene: Scene) -> bytes:
+        """The JPEG of what `scene.eye` sees."""
+        try:
+            async with asyncio.timeout(self._patience):
+                self._writer.write(frame_of(scene.encode()))
+                (length,) = LENGTH.unpack(await self._reader.readexactly(LENGTH.size))
+                if length > MAX_FRAME:
+                    raise StudioError(f"it sends {length} bytes")
+                jpeg = await self._reader.readexactly(length)
+        except TimeoutError:
+            raise StudioError(f"no picture came for {self._patience:g} s") from None
+        except (OSError, EOFError):
+            raise StudioError("it has ended") from None
+        self._patience = PAINT_SECONDS
+        return jpeg
+
+
+@contextlib.asynccontextmanager
+async def studio(room: Room) -> AsyncIterator[Studio]:
+    """A new process, which is gone afterwards."""
+    # the pictures are small: threads of NumPy's linear algebra would only cost memory
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
+    try:
+        process = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "sim.arena.eyes",
+            stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, env=environment,
+        )  # fmt: skip
+    except OSError as error:
+        raise StudioError(f"it cannot be started: {error.strerror}") from None
+    assert process.stdin and process.stdout
+    try:
+        process.stdin.write(frame_of(room.encode()))
+        yield Studio(process.stdout, process.stdin)
+    finally:
+        process.stdin.close()
+        try:
+            async with asyncio.timeout(END_SECONDS):
+                await process.wait()
+        except TimeoutError:
+            with contextlib.suppress(ProcessLookupError):
+                process.kill()
+            await process.wait()
