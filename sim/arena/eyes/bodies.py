@@ -8,7 +8,7 @@ import numpy as np
 from sim.arena.eyes.cast import meet_disc
 from sim.arena.eyes.colours import BEAM, WHITE, Colour, robot_colour
 from sim.arena.eyes.glow import Glow
-from sim.arena.eyes.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, MIDDLE_X, MIDDLE_Y, NEAR, ROWS, Camera, Floats, pixel_of
+from sim.arena.eyes.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, MIDDLE_X, MIDDLE_Y, NEAR, ROWS, Camera, Floats
 from sim.arena.eyes.paintwork import LID, look_of
 from sim.arena.eyes.scene import Body
 from sim.arena.eyes.texture import Ripmap
@@ -18,7 +18,7 @@ from sim.arena.geometry import ROBOT_RADIUS, wrap
 BASE_BOTTOM, BASE_TOP = 0.008, 0.052  # m over the floor
 TURRET_RADIUS, TURRET_TOP = 0.052, 0.105
 MAST_TOP = 0.119  # where the lamp is that tells how the robot is
-FLASH = 0.55  # how much of its colour a robot loses that is hit
+RIM = 0.95  # radii of the base from which on its top shines
 
 
 class Seen(NamedTuple):
@@ -44,16 +44,14 @@ def seen_of(camera: Camera, body: Body) -> Seen:
 def paint_robot(canvas: Floats, seen: Seen, hidden: Floats) -> Floats:
     """`hidden`: from which depth on each column is (m). Returns the same with this robot before it."""
     look = look_of(seen.colour, "?" if seen.body.id is None else str(seen.body.id)[-2:])
-    base = _round(seen, ROBOT_RADIUS, BASE_BOTTOM, BASE_TOP, look.base, hidden)
+    base = _round(seen, ROBOT_RADIUS, (BASE_BOTTOM, BASE_TOP), look.base, hidden)
     if base is None:
         return hidden
     base.paint(canvas)
     _paint_lid(canvas, seen, look.lid, hidden)
-    turret = _round(seen, TURRET_RADIUS, BASE_TOP, TURRET_TOP, look.turret, hidden)
+    turret = _round(seen, TURRET_RADIUS, (BASE_TOP, TURRET_TOP), look.turret, hidden)
     if turret is not None:
         turret.paint(canvas)
-    if seen.body.lit:
-        _flash(canvas, seen, base)
     nearer = hidden.copy()
     columns = nearer[base.first : base.first + len(base.depth)]
     columns[base.cover > 0.5] = base.depth[base.cover > 0.5]
@@ -66,17 +64,21 @@ def lamps(seen: Seen) -> list[Glow]:
     body = seen.body
     if seen.depth > NEAR:
         status = BEAM if body.lit else seen.colour
-        found.append(Glow(seen.depth, seen.side, MAST_TOP, 0.009, status.mixed(WHITE, 0.35), 1.6))
+        found.append(Glow(seen.depth, seen.side, MAST_TOP, 0.0075, status.mixed(WHITE, 0.4), 1.5))
         if body.lit:
-            found.append(Glow(seen.depth - 0.5 * ROBOT_RADIUS, seen.side, 0.06, 0.11, BEAM.mixed(WHITE, 0.15), 0.9))
+            found.append(Glow(seen.depth, seen.side, 0.06, 0.05, BEAM.mixed(WHITE, 0.1), 0.75))
     return found
 
 
-def _round(seen: Seen, radius: float, bottom: float, top: float, texture: Ripmap, hidden: Floats) -> Upright | None:
+def _round(seen: Seen, radius: float, span: tuple[float, float], texture: Ripmap, hidden: Floats) -> Upright | None:
+    """What stands around a robot's middle, over a `span` of heights (m)."""
     met = meet_disc(seen.depth, seen.side, radius)
     if not len(met.depth):
         return None
     columns = slice(met.first, met.first + len(met.depth))
+    cover = met.cover * (hidden[columns] > met.depth)
+    if not cover.any():
+        return None
     around = met.angle + (seen.angle - _offset(seen))
     across = (0.5 + around * (1 / math.tau)) % 1
     step = np.abs(np.gradient(met.angle)) if len(met.angle) > 1 else np.ones(1, np.float32)
@@ -84,13 +86,14 @@ def _round(seen: Seen, radius: float, bottom: float, top: float, texture: Ripmap
     return Upright(
         first=met.first,
         depth=met.depth,
-        cover=met.cover * (hidden[columns] > met.depth),
+        cover=cover,
         shade=(0.35 + 0.75 * np.clip(aslant, 0, 1) ** 1.3).astype(np.float32),
         across=across.astype(np.float32),
         across_step=(step / math.tau).astype(np.float32),
         texture=texture,
-        bottom=bottom,
-        top=top,
+        bottom=span[0],
+        top=span[1],
+        tint=BEAM.mixed(WHITE, 0.25) if seen.body.lit else None,
     )
 
 
@@ -113,25 +116,22 @@ def _paint_lid(canvas: Floats, seen: Seen, lid: Floats, hidden: Floats) -> None:
     ahead = (depth - seen.depth) / ROBOT_RADIUS
     aside = (depth * COLUMNS[left:right] - seen.side) / ROBOT_RADIUS
     away = np.sqrt(ahead * ahead + aside * aside)
-    cover = np.clip((1 - away) * (ROBOT_RADIUS * FOCAL / seen.depth) + 0.5, 0, 1) * (hidden[left:right] > seen.depth)
+    # pixels of a radius: fewer ahead, where one looks along the lid
+    sharp = away * ROBOT_RADIUS * FOCAL / (np.abs(aside) * depth + np.abs(ahead) * depth**2 / fall + 1e-6)
+    cover = np.clip((1 - away) * sharp + 0.5, 0, 1) * (hidden[left:right] > seen.depth)
     # into the robot's own directions, ahead and left
     turn = seen.angle + math.pi - _offset(seen)
     cosine, sine = math.cos(turn), math.sin(turn)
     own_ahead, own_left = ahead * cosine + aside * sine, ahead * sine - aside * cosine
     index = ((own_ahead + 1) * (LID / 2)).astype(np.intp).clip(0, LID - 1) * LID
     index += ((own_left + 1) * (LID / 2)).astype(np.intp).clip(0, LID - 1)
-    texels = lid.reshape(-1, 4).take(index, axis=0)
+    sampled = lid.take(index, axis=1)
+    texels, light = sampled[:3], sampled[3]
     shade, glow = 0.9 * math.exp(-HAZE * seen.depth), math.exp(-GLOW_HAZE * seen.depth)
-    texels *= (shade + (glow - shade) * texels[..., 3])[..., None]
-    region = canvas[rows, left:right]
-    region += (texels - region) * cover[..., None]
-
-
-def _flash(canvas: Floats, seen: Seen, base: Upright) -> None:
-    """A robot that is hit lights up."""
-    _, high = pixel_of(seen.depth, 0, TURRET_TOP)
-    _, low = pixel_of(max(NEAR, seen.depth - ROBOT_RADIUS), 0, BASE_BOTTOM)
-    rows = slice(max(0, int(high)), min(len(ROWS), int(low) + 1))
-    region = canvas[rows, base.first : base.first + len(base.depth)]
-    share = FLASH * base.cover[None, :, None] * np.ones((len(region), 1, 1), np.float32)
-    region += (np.array([*BEAM.mixed(WHITE, 0.25), 0], np.float32) - region) * share
+    light *= glow - shade
+    light += shade
+    rim = np.clip((away - RIM) * sharp + 0.5, 0, 1)
+    texels *= light
+    texels += rim * (seen.colour.times(glow).light - texels)
+    region = canvas[:, rows, left:right]
+    region += cover * (texels - region)

@@ -2,6 +2,10 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
+from sim.arena.eyes.optics import Floats
+
 PALETTE = ("#2de2ff", "#ffb52d", "#3dffa2", "#c77dff", "#ff7a3d", "#5b8cff", "#f2ff5c", "#ff7de0")  # robots, by number
 
 
@@ -17,6 +21,11 @@ class Colour(NamedTuple):
     def mixed(self, other: "Colour", share: float) -> "Colour":
         """With `share` of another colour in it."""
         return Colour(*(mine * (1 - share) + its * share for mine, its in zip(self, other, strict=True)))
+
+    @property
+    def light(self) -> Floats:
+        """To be mixed with pixels: 3 x 1 x 1."""
+        return np.array(self, np.float32)[:, None, None]
 
     @property
     def rgb(self) -> tuple[int, int, int]:

@@ -9,7 +9,6 @@ from typing import NamedTuple, NoReturn
 from sim.arena.ambient import Ambient
 from sim.arena.eyes.scene import Body, Room, Scene
 from sim.arena.eyes.studio import Studio, StudioError, studio
-from sim.arena.geometry import METRES_PER_HALF_STEP
 from sim.arena.light import BEAM_RANGE, free_distance
 from sim.arena.world import Robot, World
 
@@ -133,7 +132,6 @@ def scene_of(world: World, eye: str, now: float, taken: float) -> Scene:
 
 def _body(world: World, robot: Robot, now: float) -> Body:
     shines = robot.is_shining(now)
-    left, right = robot.wheels or (0, 0)
     pose = robot.pose
     others = [other.pose.point for other in world.robots.values() if other is not robot]
     return Body(
@@ -145,5 +143,4 @@ def _body(world: World, robot: Robot, now: float) -> Body:
         beam=shines,
         lit=robot.is_lit(now),
         reach=free_distance(pose.emitter, pose.heading, world.floor.walls, others, BEAM_RANGE) if shines else 0.0,
-        rolled=(-left * METRES_PER_HALF_STEP, right * METRES_PER_HALF_STEP),
     )

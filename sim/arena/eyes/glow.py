@@ -9,9 +9,10 @@ from sim.arena.eyes.colours import BEAM, WHITE, Colour
 from sim.arena.eyes.optics import CAMERA_HEIGHT, FOCAL, HEIGHT, NEAR, WIDTH, Floats, pixel_of
 
 BEAM_HEIGHT = 0.058  # m, of the emitter over the floor
-BEAM_WIDTH = 0.0022  # m, half of it
+BEAM_WIDTH = 0.0015  # m, half of it
 HALO = 6.0  # times that, where its light ends
 REACH = 3.2  # radii of a glow until nothing is left of it
+MOST = 30.0  # pixels of radius; more would only dazzle
 END = 1 / (1 + REACH**2)  # what would be left
 
 
@@ -30,7 +31,7 @@ class Glow(NamedTuple):
         if self.depth < NEAR:
             return
         column, row = pixel_of(self.depth, self.side, self.height)
-        radius = max(0.8, min(self.radius / self.depth * FOCAL, 80.0))
+        radius = max(0.8, min(self.radius / self.depth * FOCAL, MOST))
         reach = radius * REACH
         left, right = max(0, math.floor(column - reach)), min(WIDTH, math.ceil(column + reach) + 1)
         top, bottom = max(0, math.floor(row - reach)), min(HEIGHT, math.ceil(row + reach) + 1)
@@ -40,7 +41,7 @@ class Glow(NamedTuple):
         y = (np.arange(top, bottom, dtype=np.float32)[:, None] - row) / radius
         light = np.maximum(1 / (1 + x * x + y * y) - END, 0)
         light *= self.strength * (hidden[left:right] >= self.depth)
-        canvas[top:bottom, left:right] += light[..., None] * np.array([*self.colour, 0], np.float32)
+        canvas[:, top:bottom, left:right] += light * self.colour.light
 
 
 class Beam(NamedTuple):
@@ -55,7 +56,7 @@ class Beam(NamedTuple):
         if ends is None:
             return
         (depth1, x1, y1), (depth2, x2, y2) = ends
-        margin = 2 + HALO * BEAM_WIDTH * FOCAL / min(depth1, depth2)
+        margin = 2 + HALO * min(BEAM_WIDTH * FOCAL / min(depth1, depth2), 4.5)
         left, right = max(0, int(min(x1, x2) - margin)), min(WIDTH, int(max(x1, x2) + margin) + 1)
         top, bottom = max(0, int(min(y1, y2) - margin)), min(HEIGHT, int(max(y1, y2) + margin) + 1)
         if left >= right or top >= bottom:
@@ -64,16 +65,16 @@ class Beam(NamedTuple):
         y = np.arange(top, bottom, dtype=np.float32)[:, None] - y1
         wide, high = x2 - x1, y2 - y1
         share = np.clip((x * wide + y * high) / max(wide * wide + high * high, 1e-6), 0, 1)
-        away = np.hypot(x - share * wide, y - share * high)
+        across, up = x - share * wide, y - share * high
+        away = np.sqrt(across * across + up * up)
         nearness = 1 / depth1 + share * (1 / depth2 - 1 / depth1)  # it is what grows evenly in the picture
-        thick = np.maximum(BEAM_WIDTH * FOCAL * nearness, 0.7)
+        thick = np.clip(BEAM_WIDTH * FOCAL * nearness, 0.7, 4.5)
         away /= thick
         light = np.maximum(1 / (1 + away * away) - 1 / (1 + HALO * HALO), 0)
         light *= hidden[left:right] * nearness > 0.97
-        core = light * light
-        region = canvas[top:bottom, left:right]
-        region += (light * 0.9)[..., None] * np.array([*BEAM, 0], np.float32)
-        region += core[..., None] * np.array([*WHITE.mixed(BEAM, 0.25), 0], np.float32)
+        region = canvas[:, top:bottom, left:right]
+        region += light * BEAM.times(0.9).light
+        region += light * light * WHITE.mixed(BEAM, 0.25).light
 
     def _ahead(self) -> tuple[tuple[float, float, float], tuple[float, float, float]] | None:
         """Depth, column and row of the ends of the part before the camera; None: nothing is."""

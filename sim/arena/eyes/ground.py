@@ -5,9 +5,10 @@ import math
 import numpy as np
 
 from sim.arena.eyes.bodies import Seen
-from sim.arena.eyes.colours import GRID, INNER, OUTER, RING, Colour
+from sim.arena.eyes.colours import GRID, INNER, OUTER, RING
 from sim.arena.eyes.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, HEIGHT, NEAR, ROWS, Camera, Floats
 from sim.arena.eyes.scene import Room
+from sim.arena.eyes.texture import planes_of
 from sim.arena.eyes.walls import is_outer
 from sim.arena.geometry import ROBOT_RADIUS, Wall
 
@@ -28,9 +29,9 @@ _FADE: Floats = np.exp(-0.5 * _DEPTH)
 class Ground:
     def __init__(self, room: Room) -> None:
         self._room = room
-        self._texels = _light(room)
-        self._columns = self._texels.shape[1]
-        self._texels = self._texels.reshape(-1, 4)
+        texels = _light(room)
+        self._columns = texels.shape[1]
+        self._texels = planes_of(texels)
 
     def paint(self, canvas: Floats, camera: Camera, others: list[Seen]) -> None:
         """Everything below the horizon."""
@@ -42,15 +43,15 @@ class Ground:
         index = (y * (1 / TEXEL)).astype(np.intp)
         index *= self._columns
         index += (x * (1 / TEXEL)).astype(np.intp)
-        floor = self._texels.take(index, axis=0)
+        floor = self._texels.take(index, axis=1)
         lines = self._grid(x, camera.forward[0], camera.right[0]) + self._grid(y, camera.forward[1], camera.right[1])
-        floor += lines[..., None] * _texel(GRID.times(0.62))
+        floor += lines * GRID.times(0.62).light
         rings = self._rings(x, y)
-        floor += rings[..., None] * _texel(RING.times(0.45))
-        floor *= _FADE[..., None]
+        floor += rings * RING.times(0.45).light
+        floor *= _FADE
         for seen in others:
             _shadow(floor, x, y, seen)
-        canvas[FIRST:] = floor
+        canvas[:, FIRST:] = floor
 
     def _grid(self, place: Floats, forward: float, right: float) -> Floats:
         """How bright the lines across one axis are; `place` on it, whose parts of the camera's axes these are."""
@@ -64,6 +65,7 @@ class Ground:
         away = np.minimum(np.abs(radius - RINGS[0]), np.abs(radius - RINGS[1]))
         return _line(away, width, RING_LINE / 2)
 
+
 def _shadow(floor: Floats, x: Floats, y: Floats, seen: Seen) -> None:
     """Under a robot, and the light of the lamps below it; `x` and `y` are the places of the floor's pixels (m)."""
     body, depth, side, colour = seen.body, seen.depth, seen.side, seen.colour
@@ -76,14 +78,15 @@ def _shadow(floor: Floats, x: Floats, y: Floats, seen: Seen) -> None:
     left = int(np.clip((min(sides) - COLUMNS[0]) * FOCAL, 0, len(COLUMNS)))
     right = int(np.clip((max(sides) - COLUMNS[0]) * FOCAL + 1, 0, len(COLUMNS)))
     region = np.s_[first:last, left:right]
-    if floor[region].size == 0:
+    if first >= last or left >= right:
         return
     away = _length(x[region] - body.x, y[region] - body.y)
-    floor[region] *= np.clip((away - 0.6 * ROBOT_RADIUS) * (1 / (SHADOW - 0.6 * ROBOT_RADIUS)), 0.08, 1)[..., None]
+    part = floor[:, first:last, left:right]
+    part *= np.clip((away - 0.6 * ROBOT_RADIUS) * (1 / (SHADOW - 0.6 * ROBOT_RADIUS)), 0.08, 1)
     lamps = 1 / (1 + ((away - ROBOT_RADIUS) * (1 / 0.018)) ** 2)
     lamps *= np.clip((SHADOW - away) * (1 / 0.05), 0, 1)
     lamps *= math.exp(-0.4 * max(depth, 0)) * (1.3 if body.lit else 0.55)
-    floor[region] += lamps[..., None] * _texel(colour)
+    part += lamps * colour.light
 
 
 def _length(x: Floats, y: Floats) -> Floats:
@@ -97,19 +100,19 @@ def _line(away: Floats, width: Floats, half: float) -> Floats:
 
 
 def _light(room: Room) -> Floats:
-    """The floor's own colour and the light of the walls on it: rows from y = 0 on x columns x 4."""
+    """The floor's own colour and the light of the walls on it: rows from y = 0 on x columns x 3."""
     x = (np.arange(math.ceil(room.width / TEXEL)) + 0.5) * TEXEL
     y = ((np.arange(math.ceil(room.height / TEXEL)) + 0.5) * TEXEL)[:, None]
     middle = np.hypot(x - room.width / 2, y - room.height / 2) / (0.65 * room.width)
-    texels = np.zeros((len(y), len(x), 4), np.float32)
+    texels = np.zeros((len(y), len(x), 3), np.float32)
     for share, code in ((0.0, (30, 44, 84)), (0.6, (18, 28, 57)), (1.0, (10, 15, 33))):
         weight = np.clip(1 - np.abs(middle - share) / (0.6 if share < 0.6 else 0.4), 0, 1)
-        texels += weight[..., None] * np.array([*code, 0], np.float32)
+        texels += weight[..., None] * np.array(code, np.float32)
     for wall in room.walls:
         away = _distance(x, y, wall)
         neon = OUTER if is_outer(wall, room) else INNER
         texels *= (1 - 0.75 * np.exp(-away / 0.012))[..., None]
-        texels += (0.34 * np.exp(-away / 0.05) * (1 - np.exp(-away / 0.008)))[..., None] * _texel(neon)
+        texels += (0.34 * np.exp(-away / 0.05) * (1 - np.exp(-away / 0.008)))[..., None] * np.array(neon, np.float32)
     return texels
 
 
@@ -119,9 +122,3 @@ def _distance(x: Floats, y: Floats, wall: Wall) -> Floats:
     length2 = (x2 - x1) ** 2 + (y2 - y1) ** 2
     along = np.clip(((x - x1) * (x2 - x1) + (y - y1) * (y2 - y1)) / length2, 0, 1)
     return np.hypot(x - x1 - along * (x2 - x1), y - y1 - along * (y2 - y1))
-
-
-def _texel(colour: Colour) -> Floats:
-    return np.array([*colour, 0], np.float32)
-
-

@@ -1,5 +1,6 @@
 """What is above the walls: the night around the hall, which tells a driver where north is."""
 
+import itertools
 import math
 
 import numpy as np
@@ -8,6 +9,7 @@ from PIL import Image, ImageDraw, ImageFilter
 from sim.arena.ambient import Ambient
 from sim.arena.eyes.colours import Colour, colour
 from sim.arena.eyes.optics import COLUMNS, HEIGHT, ROWS, Camera, Floats
+from sim.arena.eyes.texture import planes_of
 
 TURN = 2048  # columns of a whole turn
 RISE = 0.76  # the highest row's height by its distance
@@ -20,7 +22,7 @@ _ROWS = HEIGHT // 2
 
 class Hall:
     def __init__(self, ambient: Ambient) -> None:
-        self._texels = _panorama(ambient).reshape(-1, 4)
+        self._texels = planes_of(_panorama(ambient))
         # on a cylinder around the camera, a column's rows are the lower the farther it is aside
         up = -ROWS[:_ROWS, None] / np.sqrt(1 + COLUMNS**2)
         self._row = ((HIGH - 1) * (1 - up / RISE)).astype(np.intp) * TURN
@@ -29,11 +31,11 @@ class Hall:
     def paint(self, canvas: Floats, camera: Camera) -> None:
         """Everything above the horizon."""
         column = (self._turn - camera.heading / math.tau * TURN).astype(np.intp) % TURN
-        self._texels.take(self._row + column, axis=0, out=canvas[:_ROWS])
+        canvas[:, :_ROWS] = self._texels.take(self._row + column, axis=1)
 
 
 def _panorama(ambient: Ambient) -> Floats:
-    """Rows from the highest to the horizon x columns clockwise from east x 4."""
+    """Rows from the highest to the horizon x columns clockwise from east x 3."""
     width, height = TURN * SCALE, HIGH * SCALE
     sky = Image.new("RGB", (width, height))
     draw = ImageDraw.Draw(sky)
@@ -46,12 +48,12 @@ def _panorama(ambient: Ambient) -> Floats:
     _towers(sky, chance, width, height)
     if ambient.lamp:
         _lamps(sky, width, height)
-    small = np.asarray(sky.resize((TURN, HIGH), Image.Resampling.BOX), np.float32)
-    return np.concatenate([small, np.zeros((HIGH, TURN, 1), np.float32)], axis=2)
+    # as smooth as the coarsest pixels: those in the picture's middle
+    return np.asarray(sky.filter(ImageFilter.GaussianBlur(2.2)).resize((TURN, HIGH), Image.Resampling.BOX), np.float32)
 
 
 def _sky(up: float) -> Colour:
-    for (low, below), (high, above) in zip(SKY, SKY[1:], strict=False):
+    for (low, below), (high, above) in itertools.pairwise(SKY):
         if up <= high:
             return colour(below).mixed(colour(above), (up - low) / (high - low))
     return colour(SKY[-1][1])
@@ -125,10 +127,11 @@ def _towers(sky: Image.Image, chance: np.random.Generator, width: int, height: i
             draw.rectangle((x, top, x + across - 6, height), "#0a0a20")
             edge = lights[int(chance.integers(3))]
             draw.line((x, top, x + across - 6, top), colour(edge).times(0.8).rgb, 3)
-            for row in np.arange(top + 10, height - 6, 13):
-                for column in np.arange(x + 7, x + across - 14, 12):
+            for row in range(int(top) + 10, height - 6, 13):
+                for column in range(int(x) + 7, int(x + across) - 14, 12):
                     if chance.uniform() < 0.34:
-                        draw.rectangle((column, row, column + 4, row + 5), colour(lights[0]).times(chance.uniform(0.3, 0.9)).rgb)
+                        light = colour(lights[0]).times(chance.uniform(0.3, 0.9))
+                        draw.rectangle((column, row, column + 4, row + 5), light.rgb)
         x += across
 
 

@@ -6,13 +6,14 @@ A point before the camera has the coordinates depth (ahead), side (to the right)
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sim.arena.geometry import EMITTER_OFFSET, Point
 
-Floats = NDArray[np.float32]
+Floats = NDArray[np.floating[Any]]  # float32 wherever there are many
 
 WIDTH, HEIGHT = 320, 240  # pixels
 FOCAL = 160.0  # pixels; the picture is 90 degrees wide

@@ -4,17 +4,17 @@ import math
 from functools import lru_cache
 from typing import NamedTuple
 
-import numpy as np
 from PIL import Image, ImageDraw
 
 from sim.arena.eyes.colours import BEAM, WHITE, Colour, colour
 from sim.arena.eyes.digits import draw_number
 from sim.arena.eyes.optics import Floats
-from sim.arena.eyes.texture import Ripmap, blend
+from sim.arena.eyes.texture import Ripmap, blend, planes_of
 
-BASE_SIZE, TURRET_SIZE = (256, 64), (512, 64)  # texels: once around x the height
-LID = 96  # texels of the base's top, along its diameter
+BASE_SIZE, TURRET_SIZE = (512, 64), (512, 64)  # texels: once around x the height
+LID = 160  # texels of the base's top, along its diameter
 SCALE = 3
+WHEEL_ASPECT = 0.8  # of a circle: texels are wider than high
 KEPT = 16  # robots whose looks are kept: more than the floor has room for
 
 Draw = ImageDraw.ImageDraw
@@ -25,7 +25,7 @@ class Look(NamedTuple):
 
     base: Ripmap
     turret: Ripmap
-    lid: Floats  # LID x LID x 4; the first index goes ahead, the second to the left
+    lid: Floats  # 4 x (LID * LID): rows go ahead, columns to the left
 
 
 @lru_cache(KEPT)
@@ -50,29 +50,32 @@ def _base(body: Colour, number: str) -> Floats:
     draw.rectangle((0, height * 0.80, width, height), "#0c1122")
     shine.rectangle((0, height * 0.88, width, height * 0.93), body.times(0.8).rgb)
     for side in (0.25, 0.75):
-        _wheel(draw, shine, width * side, height * 0.56, height * 0.43, body)
+        _wheel(draw, shine, (width * side, height * 0.56), height * 0.43, body)
     middle = width / 2
-    draw.rounded_rectangle((middle - 62, 22, middle + 62, height * 0.76), 18, "#0a1020")
-    shine.ellipse((middle - 16, 34, middle + 16, 66), BEAM.mixed(WHITE, 0.2).rgb)  # the emitter
-    draw_number(draw, number, (middle, 108), 50, "#eaf2ff")
-    draw.rounded_rectangle((4, 40, 66, 130), 10, "#0a1020")
-    draw.rounded_rectangle((width - 66, 40, width - 4, 130), 10, "#0a1020")
-    for lamp in (22, width - 34):
-        shine.rectangle((lamp, 60, lamp + 12, 110), "#ff2d2d")  # seen from behind
+    draw.rounded_rectangle((middle - 100, 22, middle + 100, height * 0.76), 24, "#0a1020")
+    shine.ellipse((middle - 15, 34, middle + 15, 62), BEAM.mixed(WHITE, 0.2).rgb)  # the emitter
+    draw_number(draw, number, (middle, 106), 56, "#eaf2ff")
+    for back in (0, width):  # it goes around the seam
+        draw.rounded_rectangle((back - 150, 44, back + 150, 126), 16, "#0a1020")
+        for lamp in (-110, 70):
+            shine.rectangle((back + lamp, 62, back + lamp + 40, 82), "#ff2d2d")
     return blend(paint, light, BASE_SIZE, 3)
 
 
-def _wheel(draw: Draw, shine: Draw, x: float, y: float, radius: float, body: Colour) -> None:
+def _wheel(draw: Draw, shine: Draw, middle: tuple[float, float], radius: float, body: Colour) -> None:
+    x, y = middle
+    across = radius * WHEEL_ASPECT
+
     def ring(share: float) -> tuple[float, float, float, float]:
-        return x - radius * share, y - radius * share, x + radius * share, y + radius * share
+        return x - across * share, y - radius * share, x + across * share, y + radius * share
 
     draw.ellipse(ring(1), "#05070d")
-    draw.ellipse(ring(0.84), "#28324f")
+    draw.ellipse(ring(0.86), "#3a4770")
     draw.ellipse(ring(0.66), "#0b1020")
     for spoke in range(5):
-        angle = math.tau * spoke / 5
-        draw.line((x, y, x + 0.66 * radius * math.cos(angle), y + 0.66 * radius * math.sin(angle)), "#5a6a99", 8)
-    shine.ellipse(ring(0.2), body.times(0.8).rgb)
+        angle = math.tau * (spoke + 0.25) / 5
+        draw.line((x, y, x + 0.7 * across * math.cos(angle), y + 0.7 * radius * math.sin(angle)), "#a9b6dd", 9)
+    shine.ellipse(ring(0.24), body.times(0.8).rgb)
 
 
 def _turret(body: Colour, number: str) -> Floats:
@@ -94,11 +97,13 @@ def _face(draw: Draw, shine: Draw, middle: float, height: int, body: Colour) -> 
     draw.rounded_rectangle((middle - 120, 34, middle + 120, height - 40), 44, "#04060d")
     draw.rounded_rectangle((middle - 120, 34, middle + 120, height - 40), 44, None, "#7d8cbd", 5)
     for eye in (-58, 58):
-        shine.rounded_rectangle((middle + eye - 26, 62, middle + eye + 26, height - 68), 22, body.mixed(WHITE, 0.55).rgb)
+        shine.rounded_rectangle(
+            (middle + eye - 26, 62, middle + eye + 26, height - 68), 22, body.mixed(WHITE, 0.55).rgb
+        )
 
 
 def _lid(body: Colour) -> Floats:
-    """As on the arena's page: a rim, and an arrowhead that points ahead."""
+    """As on the arena's page: an arrowhead that points ahead."""
     size = LID * SCALE
     paint = Image.new("RGB", (size, size), body.times(0.35).mixed(colour("#141d38"), 0.5).rgb)
     light = Image.new("RGB", (size, size))
@@ -109,5 +114,4 @@ def _lid(body: Colour) -> Floats:
 
     arrow = [place(0.97, 0), place(0.45, 0.55), place(0.62, 0), place(0.45, -0.55)]
     ImageDraw.Draw(light).polygon(arrow, body.rgb)
-    ImageDraw.Draw(light).ellipse((2, 2, size - 3, size - 3), None, body.rgb, 9)
-    return np.ascontiguousarray(blend(paint, light, (LID, LID), 2))
+    return planes_of(blend(paint, light, (LID, LID), 2))

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from sim.arena.ambient import PRESS_PERIOD
 from sim.arena.eyes.bodies import lamps, paint_robot, seen_of
 from sim.arena.eyes.colours import BEAM, WHITE
 from sim.arena.eyes.glow import BEAM_HEIGHT, Beam, Glow
@@ -14,10 +15,13 @@ from sim.arena.eyes.ground import Ground
 from sim.arena.eyes.hall import Hall
 from sim.arena.eyes.optics import CAMERA_HEIGHT, HEIGHT, WIDTH, Camera, Floats
 from sim.arena.eyes.scene import Body, Room, Scene
+from sim.arena.eyes.timecode import paint_timecode
 from sim.arena.eyes.walls import Walls
-from sim.arena.geometry import EMITTER_OFFSET
+from sim.arena.geometry import EMITTER_OFFSET, ROBOT_RADIUS
 
 QUALITY = 80  # of the JPEG
+ONLOOKER, ONLOOKER_HEIGHT = 0.8, 0.55  # m from the floor, and over it: where the remote control is
+PRESS = 0.3  # s that its light is shown
 
 
 class Painter:
@@ -27,10 +31,11 @@ class Painter:
         self._hall = Hall(room.ambient)
         self._ground = Ground(room)
         self._walls = Walls(room)
-        self._canvas = np.zeros((HEIGHT, WIDTH, 4), np.float32)
+        self._room = room
+        self._canvas = np.zeros((3, HEIGHT, WIDTH), np.float32)
 
     def picture(self, scene: Scene) -> NDArray[np.uint8]:
-        """HEIGHT x WIDTH x red, green, blue, and a byte that means nothing."""
+        """Red, green and blue x HEIGHT x WIDTH."""
         (me,) = (body for body in scene.robots if body.name == scene.eye)
         camera = Camera(me.x, me.y, me.heading)
         others = [seen_of(camera, body) for body in scene.robots if body is not me]
@@ -43,22 +48,29 @@ class Painter:
             hidden = paint_robot(canvas, seen, hidden)
         self._paint_light(canvas, camera, scene, hidden)
         np.clip(canvas, 0, 255, out=canvas)
-        return canvas.astype(np.uint8)
+        picture = canvas.astype(np.uint8)
+        if self._room.timecode:
+            paint_timecode(picture, scene.taken)
+        return picture
 
     def _paint_light(self, canvas: Floats, camera: Camera, scene: Scene, hidden: Floats) -> None:
+        if self._room.ambient.remote and scene.time % PRESS_PERIOD < PRESS:
+            place = camera.see(self._room.width / 2, -ONLOOKER)
+            Glow(*place, ONLOOKER_HEIGHT, 0.05, BEAM.mixed(WHITE, 0.2), 1.5).paint(canvas, hidden)
+        behind = hidden + 1.5 * ROBOT_RADIUS  # a robot does not hide its own lamps
         for body in scene.robots:
             if body.name != scene.eye:
                 for lamp in lamps(seen_of(camera, body)):
-                    lamp.paint(canvas, hidden)
+                    lamp.paint(canvas, behind)
             if body.beam:
                 _paint_shot(canvas, camera, body, hidden)
             if body.name == scene.eye and body.lit:
-                canvas += (_HIT_COLOUR - canvas) * _HIT
+                canvas += (BEAM.light - canvas) * _HIT
 
     def jpeg(self, scene: Scene) -> bytes:
-        picture = Image.frombuffer("RGBX", (WIDTH, HEIGHT), self.picture(scene), "raw", "RGBX", 0, 1)
+        planes = [Image.fromarray(plane) for plane in self.picture(scene)]
         file = io.BytesIO()
-        picture.save(file, "JPEG", quality=QUALITY)
+        Image.merge("RGB", planes).save(file, "JPEG", quality=QUALITY)
         return file.getvalue()
 
 
@@ -70,15 +82,14 @@ def _paint_shot(canvas: Floats, camera: Camera, body: Body, hidden: Floats) -> N
 
     end = at(EMITTER_OFFSET + body.reach)
     Beam(at(EMITTER_OFFSET), end).paint(canvas, hidden)
-    Glow(*end, CAMERA_HEIGHT, 0.012, BEAM.mixed(WHITE, 0.4), 1.4).paint(canvas, hidden + 0.03)
-    Glow(*at(EMITTER_OFFSET + 0.02), BEAM_HEIGHT, 0.012, BEAM.mixed(WHITE, 0.4), 1.4).paint(canvas, hidden + 0.03)
+    Glow(*end, CAMERA_HEIGHT, 0.01, BEAM.mixed(WHITE, 0.3), 1.1).paint(canvas, hidden + 0.03)
+    Glow(*at(EMITTER_OFFSET + 0.02), BEAM_HEIGHT, 0.01, BEAM.mixed(WHITE, 0.3), 1.1).paint(canvas, hidden + 0.03)
 
 
 def _vignette() -> Floats:
     """How much red lies over each pixel when one is hit: most of it at the edges."""
     x, y = np.linspace(-1, 1, WIDTH), np.linspace(-1, 1, HEIGHT)[:, None]
-    return (0.12 + 0.75 * np.clip((x**2 + y**2) / 1.6, 0, 1) ** 1.2).astype(np.float32)[..., None]
+    return (0.08 + 0.62 * np.clip((x**2 + y**2) / 1.7, 0, 1) ** 1.5).astype(np.float32)
 
 
 _HIT = _vignette()
-_HIT_COLOUR = np.array([*BEAM, 0], np.float32)

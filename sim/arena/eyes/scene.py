@@ -19,7 +19,7 @@ class Room:
     width: float
     height: float
     walls: tuple[Wall, ...]
-    ambient: Ambient = Ambient()
+    ambient: Ambient
     timecode: bool = False
 
     @classmethod
@@ -34,7 +34,7 @@ class Room:
 
 @dataclass(frozen=True)
 class Body:
-    """A robot as eyes see it. `reach` is how far its light would go (m from the emitter); `rolled` are the wheels (m)."""
+    """A robot as eyes see it. `reach` is how far its light would go (m from the emitter), if it shines."""
 
     name: str
     id: int | None
@@ -44,7 +44,6 @@ class Body:
     beam: bool = False
     lit: bool = False
     reach: float = 0.0
-    rolled: tuple[float, float] = (0.0, 0.0)
 
     @property
     def point(self) -> Point:
@@ -71,8 +70,7 @@ class Scene:
     @classmethod
     def decode(cls, frame: bytes) -> "Scene":
         told = json.loads(frame)
-        robots = (Body(**{**body, "rolled": tuple(body["rolled"])}) for body in told["robots"])
-        return cls(told["eye"], told["time"], told["taken"], tuple(robots))
+        return cls(told["eye"], told["time"], told["taken"], tuple(Body(**body) for body in told["robots"]))
 
     def encode(self) -> bytes:
         return json.dumps(asdict(self)).encode()

@@ -13,6 +13,14 @@ PAINT_SECONDS = 3.0  # for each further picture; a process that takes longer is 
 END_SECONDS = 1.0  # until it has ended
 
 
+ENVIRONMENT = {
+    "OPENBLAS_NUM_THREADS": "1",  # threads of NumPy's linear algebra would only cost memory
+    # glibc would give each array back to the kernel at once, and get it again, page by page
+    "MALLOC_MMAP_THRESHOLD_": str(2**26),
+    "MALLOC_TRIM_THRESHOLD_": str(2**27),
+}
+
+
 class StudioError(Exception):
     """There are no pictures from this process any more; the text says why."""
 
@@ -45,12 +53,10 @@ class Studio:
 @contextlib.asynccontextmanager
 async def studio(room: Room) -> AsyncIterator[Studio]:
     """A new process, which is gone afterwards."""
-    # the pictures are small: threads of NumPy's linear algebra would only cost memory
-    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     try:
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "sim.arena.eyes",
-            stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, env=environment,
+            stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, env={**os.environ, **ENVIRONMENT},
         )  # fmt: skip
     except OSError as error:
         raise StudioError(f"it cannot be started: {error.strerror}") from None

@@ -25,41 +25,57 @@ class Ripmap:
             narrow = texels
             for column_level in range(LEVELS):
                 self._start[column_level, row_level] = size
-                parts.append(narrow.reshape(-1, 4))
-                size += len(parts[-1])
+                parts.append(planes_of(narrow))
+                size += parts[-1].shape[1]
                 narrow = (narrow[:, 0::2] + narrow[:, 1::2]) / 2
             texels = (texels[0::2] + texels[1::2]) / 2
-        self._texels = np.ascontiguousarray(np.concatenate(parts), np.float32)
+        self._texels = np.concatenate(parts, axis=1)
 
     def sample(self, across: Floats, across_step: Floats, up: Floats, up_step: Floats) -> Floats:
-        """The texels at `up` (rows x columns, 0 to 1 is the height) and `across` (for each column, 1 is the width).
+        """The texels (4 x rows x columns) at `up` (rows x columns) and `across` (for each column).
 
-        The steps are from one pixel of a column to its neighbours.
+        Of the texture, whose height is 1 and whose width is 1. The steps are from one pixel of a column to its
+        neighbours.
         """
         column_level = _level(across_step * self._columns)
         row_level = _level(up_step * self._rows)
         columns, rows = self._columns >> column_level, self._rows >> row_level
         column = (across * columns).astype(np.intp) % columns
-        index = (up * rows.astype(np.float32)).astype(np.intp)
-        np.minimum(index, rows - 1, out=index)
+        place = up * rows.astype(np.float32)
+        place -= 0.5
+        np.clip(place, 0, rows - 1.001, out=place)
+        index = place.astype(np.intp)
+        place -= index
         index *= columns
         index += self._start[column_level, row_level] + column
-        return self._texels.take(index, axis=0)
+        texels = self._texels.take(index, axis=1)
+        index += columns
+        above = self._texels.take(index, axis=1)
+        above -= texels
+        above *= place
+        texels += above
+        return texels
+
+
+def planes_of(texels: Floats) -> Floats:
+    """Channel x texel, of rows x columns x channel: NumPy is several times as fast with each channel by itself."""
+    return np.ascontiguousarray(texels.reshape(-1, texels.shape[-1]).T, np.float32)
 
 
 def _level(texels: Floats) -> NDArray[np.intp]:
     """The version in which so many texels of the finest one become about one."""
-    return np.clip(np.log2(np.maximum(texels, 1e-6)) + 0.3, 0, LEVELS - 1).astype(np.intp)
+    levels: NDArray[np.intp] = np.clip(np.log2(np.maximum(texels, 1e-6)) + 0.3, 0, LEVELS - 1).astype(np.intp)
+    return levels
 
 
 def blend(paint: Image.Image, light: Image.Image, size: tuple[int, int], glow: float) -> Floats:
-    """Texels of `size` (width, height) from pictures that are drawn upright: what is painted, and what shines by itself.
+    """Texels of `size` (width, height) from pictures that are drawn upright: what is painted, and what shines.
 
-    The light also falls on what is within about `glow` texels around it.
+    Its light also falls on what is within about `glow` texels around it.
     """
     halo = np.asarray(light.resize(size, Image.Resampling.BOX).filter(ImageFilter.GaussianBlur(glow)), np.float32)
     shining = np.asarray(light.resize(size, Image.Resampling.BOX), np.float32)
     painted = np.asarray(paint.resize(size, Image.Resampling.BOX), np.float32)
     brightness = np.clip(np.maximum(shining, halo).max(axis=2, keepdims=True) / 160, 0, 1)
     texels = np.concatenate([np.minimum(painted * (1 - 0.7 * brightness) + shining + halo, 255), brightness], axis=2)
-    return texels[::-1].astype(np.float32)
+    return np.ascontiguousarray(texels[::-1], np.float32)

@@ -4,12 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim.arena.eyes.colours import Colour
 from sim.arena.eyes.optics import CAMERA_HEIGHT, FOCAL, MIDDLE_Y, ROWS, Floats
 from sim.arena.eyes.texture import Ripmap
 
 MIRROR = 0.30  # how much of the light the floor reflects
 MIRROR_FADE = 6.0  # 1/m: the higher up, the less
 HAZE = 0.55  # 1/m: how the light of what only reflects it fades with the distance
+TINT = 0.45  # how much of its colour it loses for its tint
 GLOW_HAZE = 0.22  # 1/m: how that of lamps fades
 
 
@@ -26,15 +28,16 @@ class Upright:
     texture: Ripmap
     bottom: float  # m over the floor
     top: float
+    tint: Colour | None = None  # of what is hit
 
     def paint(self, canvas: Floats) -> None:
-        """Over what is on the canvas (rows x columns x 4) already."""
+        """Over what is on the canvas already."""
         highest = MIDDLE_Y - (self.top - CAMERA_HEIGHT) * FOCAL / self.depth
         lowest = MIDDLE_Y + (self.top + CAMERA_HEIGHT) * FOCAL / self.depth
         rows = slice(max(0, int(highest.min()) - 1), min(len(ROWS), int(min(lowest.max(), 1e4)) + 2))
         if rows.start >= rows.stop:
             return
-        region = canvas[rows, self.first : self.first + len(self.depth)]
+        region = canvas[:, rows, self.first : self.first + len(self.depth)]
         pixel = self.depth / FOCAL  # m
         inverse = 1 / pixel
         height = CAMERA_HEIGHT - ROWS[rows, None] * self.depth
@@ -48,9 +51,14 @@ class Upright:
         distance -= self.bottom
         np.maximum(distance, 0, out=distance)
         distance *= 1 / (self.top - self.bottom)
-        texels = self.texture.sample(self.across, self.across_step, distance, pixel / (self.top - self.bottom))
+        sampled = self.texture.sample(self.across, self.across_step, distance, pixel / (self.top - self.bottom))
+        texels, light = sampled[:3], sampled[3]
         shade = self.shade * np.exp(-HAZE * self.depth)
-        texels *= (shade + (np.exp(-GLOW_HAZE * self.depth) - shade) * texels[..., 3])[..., None]
+        light *= np.exp(-GLOW_HAZE * self.depth) - shade
+        light += shade
+        texels *= light
+        if self.tint:
+            texels += (self.tint.light - texels) * TINT
         texels -= region
-        texels *= alpha[..., None]
+        texels *= alpha
         region += texels

@@ -77,7 +77,7 @@ def _panels(neon: Colour) -> Floats:
         left, right = panel * width // 2, (panel + 1) * width // 2 - 1
         draw.rectangle((left, 0, left + 5, height), "#05070f")
         draw.rectangle((left + 6, 0, left + 9, height), "#3c4d80")
-        _inset(draw, left + 44, right - 36, 96, height - 96, neon)
+        _inset(draw, (left + 44, 96), (right - 36, height - 96), neon)
         if panel:
             _vents(draw, shine, left, height, neon)
         else:
@@ -90,11 +90,12 @@ def _panels(neon: Colour) -> Floats:
     return blend(paint, light, SIZE, 9)
 
 
-def _inset(draw: ImageDraw.ImageDraw, left: int, right: int, top: int, bottom: int, neon: Colour) -> None:
+def _inset(draw: ImageDraw.ImageDraw, start: tuple[int, int], end: tuple[int, int], neon: Colour) -> None:
     """A sunk plate with cut corners."""
-    cut = 30
+    (left, top), (right, bottom), cut = start, end, 30
     outline = [
-        (left + cut, top), (right, top), (right, bottom - cut), (right - cut, bottom), (left, bottom), (left, top + cut),
+        (left + cut, top), (right, top), (right, bottom - cut),
+        (right - cut, bottom), (left, bottom), (left, top + cut),
     ]  # fmt: skip
     draw.polygon(outline, colour("#17213f").mixed(neon, 0.08).rgb)
     draw.line([*outline[:3]], "#060a16", 7)
