@@ -89,8 +89,8 @@ def _sun(sky: Image.Image, width: int, height: int, shines: bool) -> None:
     ImageDraw.Draw(mask).ellipse((x - radius, y - radius, x + radius, y + radius), 255)
     stripes = ImageDraw.Draw(mask)
     for stripe in range(0 if shines else 5):
-        row = y + radius * (0.0 + 0.2 * stripe)
-        stripes.rectangle((0, row, width, row + radius * (0.03 + 0.022 * stripe)), 0)
+        start = y + radius * 0.2 * stripe
+        stripes.rectangle((0, start, width, start + radius * (0.03 + 0.022 * stripe)), 0)
     east = Image.fromarray(np.minimum(np.asarray(sky, np.uint16) + np.asarray(_moved(glow, x)), 255).astype(np.uint8))
     sky.paste(east)
     sky.paste(_moved(disc, x), mask=_moved(mask, x))

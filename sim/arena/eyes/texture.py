@@ -29,7 +29,9 @@ class Ripmap:
                 size += parts[-1].shape[1]
                 narrow = (narrow[:, 0::2] + narrow[:, 1::2]) / 2
             texels = (texels[0::2] + texels[1::2]) / 2
-        self._texels = np.concatenate(parts, axis=1)
+        texels = np.concatenate(parts, axis=1)
+        texels[3] *= 255
+        self._texels = texels.round().astype(np.uint8)  # a quarter of the memory, and so of the time to get it
 
     def sample(self, across: Floats, across_step: Floats, up: Floats, up_step: Floats) -> Floats:
         """The texels (4 x rows x columns) at `up` (rows x columns) and `across` (for each column).
@@ -48,12 +50,12 @@ class Ripmap:
         place -= index
         index *= columns
         index += self._start[column_level, row_level] + column
-        texels = self._texels.take(index, axis=1)
+        texels = self._texels.take(index, axis=1).astype(np.float32)
         index += columns
-        above = self._texels.take(index, axis=1)
-        above -= texels
+        above = self._texels.take(index, axis=1) - texels
         above *= place
         texels += above
+        texels[3] *= 1 / 255
         return texels
 
 
