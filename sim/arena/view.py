@@ -13,7 +13,7 @@ from typing import Any
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from laser_bot_battle.hosts import is_valid_host
-from sim.arena.eyes.pages import EyePages
+from sim.arena.eyes.pages import EYES, EyePages
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
 from sim.arena.policy import page_policy
@@ -118,7 +118,7 @@ class View:
                 response.headers.setdefault(name, value)  # the eyes' pictures have an own Cache-Control
             if request.path.startswith(self._files):
                 response.headers.update(KEPT)
-            if response.content_type != "image/jpeg":
+            if not request.path.startswith(EYES):  # those are compressed already
                 response.enable_compression()  # page and scripts take a third of their size
         return response
 

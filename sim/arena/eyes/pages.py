@@ -17,7 +17,8 @@ MAX_UNSENT = 16_384  # bytes on the way to one reader; more would be old picture
 SEND_SECONDS = 5.0  # for one picture; a reader that takes longer is gone
 SNAPSHOT_SECONDS = 5.0  # until there is a picture
 BOUNDARY = "boundarydonotcross"  # ustreamer's
-HEADERS = {"Cache-Control": "no-store", "Connection": "close"}
+HEADERS = {"Cache-Control": "no-store"}
+EYES = "/eyes/"  # before a robot's name
 
 _log = logging.getLogger(__name__)
 
@@ -30,8 +31,8 @@ class EyePages:
         self._gallery = Gallery(world, ambient, timecode)
 
     def add_to(self, app: web.Application) -> None:
-        app.router.add_get("/eyes/{robot}/stream", self._stream)
-        app.router.add_get("/eyes/{robot}/snapshot", self._snapshot)
+        app.router.add_get(EYES + "{robot}/stream", self._stream)
+        app.router.add_get(EYES + "{robot}/snapshot", self._snapshot)
         app.cleanup_ctx.append(self._run_gallery)
         app.on_shutdown.append(self._say_goodbye)  # type: ignore[arg-type]  # typed for an older aiosignal
 
@@ -49,6 +50,7 @@ class EyePages:
         robot = self._admitted(request)
         kind = f"multipart/x-mixed-replace;boundary={BOUNDARY}"
         stream = web.StreamResponse(headers={**HEADERS, "Content-Type": kind})
+        stream.force_close()  # nothing can follow a stream
         if request.method == "HEAD":
             return stream
         with self._looking(robot) as eye:

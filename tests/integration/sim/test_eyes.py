@@ -1,0 +1,296 @@
+"""The virtual robots' eyes: the arena's program as a camera."""
+
+import contextlib
+import http.client
+import io
+import os
+import signal
+import socket
+import time
+from collections.abc import Callable, Iterator
+from itertools import pairwise
+
+import psutil
+import pytest
+import requests
+from PIL import Image
+
+from server.camera.clock import ClockOffset
+from server.camera.multipart import Part, Parts, boundary_of
+from server.camera.picture import picture_of
+from sim.arena.eyes.gallery import RATE
+from sim.arena.eyes.pages import MAX_CONNECTIONS
+from tests.integration.sim.arena import HOST, Arena, Hardware
+from tests.support.polling import until
+from tests.support.timecode import time_of
+
+REQUEST = "GET /eyes/{robot}/stream?extra_headers=1 HTTP/1.0\r\nHost: 127.0.0.1\r\n\r\n"  # as the relay asks
+
+
+class Stream:
+    """A robot's stream, read as the relay reads it."""
+
+    def __init__(self, arena: Arena, robot: str, room: int | None = None) -> None:
+        """`room`: bytes that the kernel may keep for this reader."""
+        self._socket = socket.socket()
+        if room:
+            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, room)
+        self._socket.settimeout(20)
+        self._socket.connect((HOST, arena.view_port))
+        self._socket.sendall(REQUEST.format(robot=robot).encode())
+        head = b""
+        while not head.endswith(b"\r\n\r\n"):
+            head += self._socket.recv(1)
+        self._parts = Parts(boundary_of(head))
+        self._ready: list[Part] = []
+
+    def part(self) -> Part | None:
+        """The next picture, None at the stream's end."""
+        while not self._ready:
+            data = self._socket.recv(65536)
+            if not data:
+                return None
+            self._ready += self._parts.feed(data)
+        return self._ready.pop(0)
+
+    def taken(self) -> float:
+        """When the next picture was taken (Unix time in s)."""
+        part = self.part()
+        assert part, "the stream has ended"
+        return picture_of(part, 1, 1, ClockOffset(), time.time()).taken
+
+    def close(self) -> None:
+        self._socket.close()
+
+
+@contextlib.contextmanager
+def looking(arena: Arena, robot: str = "virtual1", room: int | None = None) -> Iterator[Stream]:
+    with contextlib.closing(Stream(arena, robot, room)) as stream:
+        yield stream
+
+
+@pytest.fixture
+def robot(arena: Arena) -> Iterator[Hardware]:
+    with Hardware(arena, "virtual1") as hardware:
+        assert hardware.line() == "light 0"
+        yield hardware
+
+
+def painters(arena: Arena) -> list[psutil.Process]:
+    """The processes that paint for this arena."""
+    return psutil.Process(arena.program.process.pid).children()
+
+
+def get(arena: Arena, path: str, **headers: str) -> requests.Response:
+    return requests.get(arena.page + path, headers=headers, timeout=20)
+
+
+@pytest.mark.usefixtures("robot")
+def test_the_relay_understands_the_stream(arena: Arena) -> None:
+    with looking(arena) as stream:
+        before = time.time()
+        stamps = [stream.taken() for _ in range(5)]
+        part = stream.part()
+    assert part
+    assert part.headers["content-type"] == "image/jpeg"
+    assert Image.open(io.BytesIO(part.body)).size == (320, 240)
+    assert all(later > sooner for sooner, later in pairwise(stamps))
+    assert before - 1 < stamps[-1] < time.time()
+
+
+@pytest.mark.usefixtures("robot")
+def test_there_are_so_many_pictures_a_second(arena: Arena) -> None:
+    with looking(arena) as stream:
+        stamps = [stream.taken() for _ in range(2 * RATE + 1)]
+    steps = sorted(later - sooner for sooner, later in pairwise(stamps))
+    assert steps[len(steps) // 2] == pytest.approx(1 / RATE, rel=0.2)
+    assert (stamps[-1] - stamps[0]) / (len(stamps) - 1) > 0.95 / RATE
+
+
+def test_a_picture_shows_where_the_robot_is_now(arena: Arena, robot: Hardware) -> None:
+    before = get(arena, "eyes/virtual1/snapshot")
+    assert before.headers["Content-Type"] == "image/jpeg"
+    assert before.headers["Cache-Control"] == "no-store"
+    assert "Content-Encoding" not in before.headers
+    assert float(before.headers["X-Timestamp"]) == pytest.approx(time.time(), abs=5)
+    again = get(arena, "eyes/virtual1/snapshot")
+    assert again.content == before.content  # nothing has moved
+    robot.turn_wheels(-0.05, 0.05)
+    until(lambda: get(arena, "eyes/virtual1/snapshot").content != before.content, what="another picture")
+
+
+def test_one_sees_another_robot_shoot(arena: Arena, robot: Hardware) -> None:
+    with Hardware(arena, "virtual2") as other:
+        assert other.line() == "light 0"
+        other.drive_to(1.2, 1.03)
+        calm = get(arena, "eyes/virtual2/snapshot").content
+        other.send("beam 1")
+        until(lambda: get(arena, "eyes/virtual2/snapshot").content != calm, what="a shot")
+        other.send("beam 0")
+        until(lambda: get(arena, "eyes/virtual2/snapshot").content == calm, what="no shot any more")
+
+
+@pytest.mark.usefixtures("robot")
+def test_nothing_is_painted_while_nobody_looks(arena: Arena) -> None:
+    assert painters(arena) == []
+    with looking(arena) as stream:
+        stream.taken()
+        (painter,) = painters(arena)
+    idle: list[float] = []
+
+    def rests() -> bool:
+        """The process has got no processor time between two looks at it, or is gone."""
+        with contextlib.suppress(psutil.NoSuchProcess):
+            used = painter.cpu_times()
+            idle.append(used.user + used.system)
+            time.sleep(0.2)  # four pictures
+            return len(idle) > 1 and idle[-1] == idle[-2]
+        return True
+
+    until(rests, 3, "it paints no more")
+    until(lambda: painters(arena) == [], 20, "it is ended")
+    with looking(arena) as stream:
+        assert stream.taken()
+
+
+@pytest.mark.parametrize("path", ["stream", "snapshot"])
+@pytest.mark.parametrize(
+    "headers",
+    [{"Origin": "http://evil.example"}, {"Origin": "null"}, {"Sec-Fetch-Site": "same-origin"}, {"Sec-Fetch-Site": ""}],
+    ids=str,
+)
+@pytest.mark.usefixtures("robot")
+def test_a_page_gets_no_pictures(arena: Arena, path: str, headers: dict[str, str]) -> None:
+    answer = get(arena, f"eyes/virtual1/{path}", **headers)
+    assert answer.status_code == 403
+    assert "relay" in answer.text
+    assert painters(arena) == []
+
+
+@pytest.mark.usefixtures("robot")
+def test_a_person_who_types_the_address_does(arena: Arena) -> None:
+    assert get(arena, "eyes/virtual1/snapshot", **{"Sec-Fetch-Site": "none"}).status_code == 200
+
+
+@pytest.mark.parametrize("path", ["stream", "snapshot"])
+@pytest.mark.usefixtures("robot")
+def test_who_asks_for_an_unknown_robot_hears_which_there_are(arena: Arena, path: str) -> None:
+    with Hardware(arena, "guest") as guest:
+        guest.line()
+        answer = get(arena, f"eyes/virtual7/{path}")
+    assert answer.status_code == 404
+    assert answer.headers["Content-Type"].startswith("text/plain")
+    assert answer.text == "no robot virtual7 is on the floor; there are: guest, virtual1"
+
+
+@pytest.mark.parametrize("path", ["stream", "snapshot"])
+@pytest.mark.usefixtures("robot")
+def test_only_the_head_costs_no_picture_and_nothing_can_be_sent(arena: Arena, path: str) -> None:
+    address = f"{arena.page}eyes/virtual1/{path}"
+    head = requests.head(address, timeout=5)
+    assert head.status_code == 200
+    assert head.headers["Content-Type"].startswith("multipart/x-mixed-replace" if path == "stream" else "image/jpeg")
+    assert requests.post(address, data="picture", timeout=5).status_code == 405
+    assert painters(arena) == []
+
+
+def test_a_robot_that_leaves_ends_its_streams_and_no_others(arena: Arena, robot: Hardware) -> None:
+    with Hardware(arena, "virtual2") as other, looking(arena) as stream, looking(arena, "virtual2") as others:
+        assert other.line()
+        stream.taken()
+        robot.close()
+        until(lambda: stream.part() is None, what="the end of the stream")
+        left = time.time()
+        until(lambda: others.taken() > left + 0.2, what="the others' pictures")
+    assert get(arena, "eyes/virtual1/snapshot").status_code == 404
+
+
+@pytest.mark.usefixtures("robot")
+def test_one_more_than_the_most_is_turned_away_and_room_is_made_by_leaving(arena: Arena) -> None:
+    with contextlib.ExitStack() as stack:
+        first = stack.enter_context(looking(arena))
+        for _ in range(MAX_CONNECTIONS - 1):
+            stack.enter_context(looking(arena))
+        assert get(arena, "eyes/virtual1/stream").status_code == 503
+        assert get(arena, "eyes/virtual1/snapshot").status_code == 503
+        first.close()
+        until(lambda: get(arena, "eyes/virtual1/snapshot").status_code == 200, what="room")
+
+
+@pytest.mark.usefixtures("robot")
+def test_a_slow_reader_skips_pictures_and_delays_nobody(arena: Arena) -> None:
+    with looking(arena, room=4096) as slow, looking(arena) as quick:
+        slow.taken()
+        began = quick.taken()
+        while (paused := quick.taken()) < began + 2.5:  # 50 pictures
+            pass
+        old = 0
+        while slow.taken() < paused:
+            old += 1
+        assert old < 12
+        assert quick.taken() > paused
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("robot")
+def test_a_reader_that_has_stopped_is_disconnected(arena: Arena) -> None:
+    with looking(arena, room=4096), looking(arena) as other:
+        until(lambda: other.taken() and "has stopped reading" in arena.program.output, 20, "a line in the log")
+
+
+@pytest.mark.usefixtures("robot")
+def test_a_killed_painter_comes_back_and_the_stream_goes_on(arena: Arena) -> None:
+    with looking(arena) as stream:
+        stream.taken()
+        (painter,) = painters(arena)
+        painter.kill()
+        killed = time.time()
+        until(lambda: stream.taken() > killed + 0.5, 20, "newer pictures")
+        (successor,) = painters(arena)
+    assert successor.pid != painter.pid
+    assert "started again: it has ended" in arena.program.output
+
+
+@pytest.mark.usefixtures("robot")
+def test_a_stuck_painter_is_replaced(arena: Arena) -> None:
+    with looking(arena) as stream:
+        stream.taken()
+        (painter,) = painters(arena)
+        painter.suspend()
+        stopped = time.time()
+        until(lambda: stream.taken() > stopped + 1, 20, "newer pictures")
+        assert painter.pid not in [successor.pid for successor in painters(arena)]
+
+
+@pytest.mark.parametrize("signum", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.usefixtures("robot")
+def test_the_painter_ends_with_the_arena(new_arena: Callable[..., Arena], signum: signal.Signals) -> None:
+    arena = new_arena()
+    with Hardware(arena, "virtual1") as robot:
+        robot.line()
+        with looking(arena) as stream:
+            stream.taken()
+            (painter,) = painters(arena)
+            os.kill(arena.program.process.pid, signum)  # and not its group
+            arena.program.process.wait(10)
+            with contextlib.suppress(psutil.NoSuchProcess):
+                painter.wait(10)
+    assert not painter.is_running()
+    assert "Traceback" not in arena.program.output
+
+
+def test_with_a_time_code_a_picture_tells_when_it_was_taken(new_arena: Callable[..., Arena]) -> None:
+    arena = new_arena("--timecode")
+    with Hardware(arena, "virtual1") as robot:
+        robot.line()
+        answer = get(arena, "eyes/virtual1/snapshot")
+    assert time_of(answer.content) == round(float(answer.headers["X-Timestamp"]) * 1000) % 2**24
+
+
+def test_the_arenas_other_pages_are_as_before(arena: Arena) -> None:
+    connection = http.client.HTTPConnection(HOST, arena.view_port, timeout=5)
+    connection.request("GET", "/", headers={"Sec-Fetch-Site": "cross-site", "Accept-Encoding": "gzip"})
+    answer = connection.getresponse()
+    assert (answer.status, answer.headers["Content-Encoding"]) == (200, "gzip")
+    answer.read()
+    connection.close()
