@@ -15,7 +15,7 @@ from sim.arena.world import World
 MAX_CONNECTIONS = 32  # the relay has one for each robot
 MAX_UNSENT = 16_384  # bytes on the way to one reader; more would be old pictures
 SEND_SECONDS = 5.0  # for one picture; a reader that takes longer is gone
-SNAPSHOT_SECONDS = 5.0  # until there is a picture
+SNAPSHOT_SECONDS = 20.0  # until there is a picture; the first one takes longest
 BOUNDARY = "boundarydonotcross"  # ustreamer's
 HEADERS = {"Cache-Control": "no-store"}
 EYES = "/eyes/"  # before a robot's name

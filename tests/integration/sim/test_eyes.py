@@ -5,7 +5,6 @@ import http.client
 import io
 import os
 import signal
-import socket
 import time
 from collections.abc import Callable, Iterator
 from itertools import pairwise
@@ -15,52 +14,12 @@ import pytest
 import requests
 from PIL import Image
 
-from server.camera.clock import ClockOffset
-from server.camera.multipart import Part, Parts, boundary_of
-from server.camera.picture import picture_of
 from sim.arena.eyes.gallery import RATE
 from sim.arena.eyes.pages import MAX_CONNECTIONS
 from tests.integration.sim.arena import HOST, Arena, Hardware
+from tests.integration.sim.stream import Stream
 from tests.support.polling import until
 from tests.support.timecode import time_of
-
-REQUEST = "GET /eyes/{robot}/stream?extra_headers=1 HTTP/1.0\r\nHost: 127.0.0.1\r\n\r\n"  # as the relay asks
-
-
-class Stream:
-    """A robot's stream, read as the relay reads it."""
-
-    def __init__(self, arena: Arena, robot: str, room: int | None = None) -> None:
-        """`room`: bytes that the kernel may keep for this reader."""
-        self._socket = socket.socket()
-        if room:
-            self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, room)
-        self._socket.settimeout(20)
-        self._socket.connect((HOST, arena.view_port))
-        self._socket.sendall(REQUEST.format(robot=robot).encode())
-        head = b""
-        while not head.endswith(b"\r\n\r\n"):
-            head += self._socket.recv(1)
-        self._parts = Parts(boundary_of(head))
-        self._ready: list[Part] = []
-
-    def part(self) -> Part | None:
-        """The next picture, None at the stream's end."""
-        while not self._ready:
-            data = self._socket.recv(65536)
-            if not data:
-                return None
-            self._ready += self._parts.feed(data)
-        return self._ready.pop(0)
-
-    def taken(self) -> float:
-        """When the next picture was taken (Unix time in s)."""
-        part = self.part()
-        assert part, "the stream has ended"
-        return picture_of(part, 1, 1, ClockOffset(), time.time()).taken
-
-    def close(self) -> None:
-        self._socket.close()
 
 
 @contextlib.contextmanager

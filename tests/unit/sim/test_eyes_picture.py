@@ -4,6 +4,7 @@ import io
 import math
 import random
 import re
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ def painter() -> Painter:
     return Painter(Room(4, 2, (*OUTER, WALL), Ambient()))
 
 
-def other(ahead: float, left: float = 0.0, number: int = 2, heading: float = math.pi, **state: object) -> Body:
+def other(ahead: float, left: float = 0.0, number: int = 2, heading: float = math.pi, **state: Any) -> Body:
     """A robot so far (m) before ME, as seen from the robots' middles."""
     return Body(f"virtual{number}", number, ME.x + ahead, ME.y + left, heading, **state)
 
@@ -148,7 +149,7 @@ def test_the_own_shot_goes_from_below_to_the_middle(painter: Painter) -> None:
     rows = np.flatnonzero(seen[:, MIDDLE[1]])
     assert MIDDLE[0] - 15 <= rows[0] <= MIDDLE[0] + 1
     assert rows[-1] > HEIGHT - 30
-    assert set(range(MIDDLE[0] + 1, HEIGHT - 30)) <= set(rows.tolist())
+    assert set(range(MIDDLE[0] + 1, HEIGHT - 30)) <= set(map(int, rows))
     assert light[..., 0][seen].sum() > light[..., 1][seen].sum()  # it is pink
 
 
