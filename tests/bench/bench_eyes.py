@@ -1,4 +1,4 @@
-"""What virtual robots' eyes cost: `python3 -m tests.bench.bench_eyes` prints CPU time of a picture, and of eyes at work.
+"""What virtual robots' eyes cost: `python3 -m tests.bench.bench_eyes` prints their CPU time.
 
 First the painter alone, in this process. Then a whole arena: robots drive, and somebody looks through the eyes of some.
 `age` is that of a picture when it has been read; `answer` is the time of the slowest twentieth of newcomers from their
@@ -120,9 +120,7 @@ def main() -> None:
     parser.add_argument("--seconds", type=float, default=10.0, help="of each number of eyes")
     seconds = parser.parse_args().seconds
     pictures, jpegs, sizes = zip(*picture_costs(), strict=True)
-    print(
-        f"a picture: {statistics.median(pictures):.1f} ms of CPU, with its JPEG {statistics.median(jpegs):.1f} (medians)"
-    )
+    print(f"CPU of a picture: {statistics.median(pictures):.1f} ms, with its JPEG {statistics.median(jpegs):.1f} ms")
     print(f"a JPEG: {statistics.mean(sizes) / 1000:.1f} kB\n")
     print("eyes  each/s  arena %  painter %  picture ms  age ms   MiB  answer ms")
     for eyes in EYES:

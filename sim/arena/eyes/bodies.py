@@ -118,7 +118,7 @@ def _paint_lid(canvas: Floats, seen: Seen, lid: Floats, hidden: Floats) -> None:
     away = np.sqrt(ahead * ahead + aside * aside)
     # pixels of a radius: fewer ahead, where one looks along the lid
     sharp = away * ROBOT_RADIUS * FOCAL / (np.abs(aside) * depth + np.abs(ahead) * depth**2 / fall + 1e-6)
-    cover = np.clip((1 - away) * sharp + 0.5, 0, 1) * (hidden[left:right] > seen.depth)
+    cover = np.clip((1 - away) * sharp + 0.5, 0, 1) * (hidden[left:right] > depth)
     # into the robot's own directions, ahead and left
     turn = seen.angle + math.pi - _offset(seen)
     cosine, sine = math.cos(turn), math.sin(turn)

@@ -17,7 +17,7 @@ from sim.arena.eyes.optics import CAMERA_HEIGHT, HEIGHT, WIDTH, Camera, Floats
 from sim.arena.eyes.scene import Body, Room, Scene
 from sim.arena.eyes.timecode import paint_timecode
 from sim.arena.eyes.walls import Walls
-from sim.arena.geometry import EMITTER_OFFSET, ROBOT_RADIUS
+from sim.arena.geometry import EMITTER_OFFSET
 
 QUALITY = 80  # of the JPEG
 ONLOOKER, ONLOOKER_HEIGHT = 0.8, 0.55  # m from the floor, and over it: where the remote control is
@@ -45,7 +45,10 @@ class Painter:
         self._ground.paint(canvas, camera, others)
         hidden = self._walls.paint(canvas, camera)
         for seen in others:
-            hidden = paint_robot(canvas, seen, hidden)
+            nearer = paint_robot(canvas, seen, hidden)
+            for lamp in lamps(seen):
+                lamp.paint(canvas, hidden)  # its robot does not hide it
+            hidden = nearer
         self._paint_light(canvas, camera, scene, hidden)
         np.clip(canvas, 0, 255, out=canvas)
         picture = canvas.astype(np.uint8)
@@ -57,11 +60,7 @@ class Painter:
         if self._room.ambient.remote and scene.time % PRESS_PERIOD < PRESS:
             place = camera.see(self._room.width / 2, -ONLOOKER)
             Glow(*place, ONLOOKER_HEIGHT, 0.05, BEAM.mixed(WHITE, 0.2), 1.5).paint(canvas, hidden)
-        behind = hidden + 1.5 * ROBOT_RADIUS  # a robot does not hide its own lamps
         for body in scene.robots:
-            if body.name != scene.eye:
-                for lamp in lamps(seen_of(camera, body)):
-                    lamp.paint(canvas, behind)
             if body.beam:
                 _paint_shot(canvas, camera, body, hidden)
             if body.name == scene.eye and body.lit:
