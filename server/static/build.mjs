@@ -12,8 +12,8 @@ const ROOT = dirname(fileURLToPath(import.meta.url));
 const BUNDLE = `${ROOT}/bundle`;
 const SCRIPTS = ["home", "index", "operator", "plain", "pulse", "results", "watch"];
 const STYLES = [
-  "about", "common", "controls", "error", "feed", "hits", "home", "hud", "keys", "lobby", "login", "operator", "podium", "results",
-  "teams", "touch", "watch",
+  "about", "camera", "common", "controls", "error", "eyes", "feed", "hits", "home", "hud", "keys", "lobby", "login", "operator", "podium",
+  "results", "teams", "touch", "watch",
 ];
 const AVATARS = [0, 1, 2, 3, 4].map((number) => `avatar${number}.svg`);
 const PICTURES = [...AVATARS, "broken.svg", "favicon.png", "favicon.svg", "logo.svg"];

@@ -18,7 +18,7 @@ export function connectLetGo(driver, onChange) {
 }
 
 /** Whether a key press is meant for the page and not for the robot. */
-function isForPage(event) {
+export function isForPage(event) {
   const typing = event.target instanceof Element && event.target.closest("input, textarea, select, [contenteditable]");
   return dialogs.isOpen() || Boolean(typing) || event.ctrlKey || event.altKey || event.metaKey;
 }

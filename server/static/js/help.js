@@ -14,6 +14,7 @@ export function help() {
       row(["↑", "←", "↓", "→"], t("help.move")),
       row(["W", "A", "S", "D"], t("help.move")),
       row(["Enter", "Space"], t("help.fire")),
+      row(["V"], t("help.view")),
       ...["touch", "rules", "charge"].map((key) => element("p", {}, t(`help.${key}`))),
     ],
   });

@@ -6,6 +6,7 @@ import { Connection } from "./connection.js";
 import * as dialogs from "./dialogs.js";
 import { Driver } from "./driver.js";
 import { Laser, count } from "./effects.js";
+import { Eyes } from "./eyes.js";
 import { Feel } from "./feel.js";
 import { FeedList } from "./feed_words.js";
 import { connectGame } from "./game_controls.js";
@@ -42,6 +43,7 @@ class Game {
   #heartbeat;
   #driver;
   #arena;
+  #eyes;
   #tally;
   #feed = new FeedList(byId("feed"));
   #quality = new LinkQuality();
@@ -100,6 +102,12 @@ class Game {
         this.#checkSession(); // the server may have forgotten its players
       },
     });
+    this.#eyes = new Eyes({
+      robot: me.robot,
+      hasArena: arena !== null,
+      preferences: this.#preferences,
+      getTicket: () => this.#checkSession(),
+    });
     this.#driver = new Driver({
       send: (command) => {
         const sent = this.#connection.publish(me.robot, command);
@@ -132,6 +140,7 @@ class Game {
     byId("sign-out").addEventListener("click", () => this.#askSignOut());
     byId("how-to").addEventListener("click", () => this.#pause(help));
     this.#connection.start();
+    this.#eyes.start();
     const beat = () => this.#heartbeat.tick(!this.#connection.up);
     this.#timer = setInterval(beat, TICK);
     beat();
@@ -301,6 +310,7 @@ class Game {
     this.#feel.stop();
     this.#pulse.terminate();
     this.#connection.stop();
+    this.#eyes.stop();
     storage.forget();
     dialogs.show({ ...message, ok: null });
     setTimeout(() => location.replace(page), ms);
@@ -323,9 +333,9 @@ async function whoAmI() {
 function openArena() {
   const port = document.querySelector("meta[name=view-port]")?.content;
   if (!port) return null;
-  document.body.classList.add("has-camera");
+  document.body.classList.add("has-arena");
   return new ArenaView({
-    frame: byId("camera"),
+    frame: byId("arena"),
     url: `${location.protocol}//${location.hostname}:${port}/?embedded`,
     onState: (arena) => {
       document.body.dataset.arena = arena;

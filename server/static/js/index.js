@@ -178,9 +178,9 @@ function openArena() {
   const port = document.querySelector("meta[name=view-port]")?.content;
   if (!port) return;
   new ArenaView({
-    frame: document.getElementById("camera"),
+    frame: document.getElementById("arena"),
     url: `${location.protocol}//${location.hostname}:${port}/?embedded`,
-    onState: (arena) => document.body.classList.toggle("has-camera", arena === "live"),
+    onState: (arena) => document.body.classList.toggle("has-arena", arena === "live"),
   });
 }
 

@@ -33,6 +33,9 @@ export function actionOf({ code = "", key = "" }) {
   return BY_CODE.get(code) ?? BY_KEY.get(key.toLowerCase()) ?? null;
 }
 
+/** Whether a key is the one that shows the camera or the arena, V. @param {{code?: string, key?: string}} key a KeyboardEvent, or its two fields */
+export const isViewKey = ({ code = "", key = "" }) => code === "KeyV" || key.toLowerCase() === "v";
+
 /**
  * The Robot_msg for a set of actions; opposite ones cancel.
  * @param {Iterable<string>} actions

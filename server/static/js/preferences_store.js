@@ -8,13 +8,17 @@ const KINDS = {
   volume: [0.7, (value) => typeof value === "number" && value >= 0 && value <= 1],
   touch: ["pad", (value) => value === "pad" || value === "stick"],
   hints: [true, isBoolean],
+  view: ["eyes", (value) => value === "eyes" || value === "arena"],
 };
 
 function isBoolean(value) {
   return typeof value === "boolean";
 }
 
-/** `sound` (boolean), `volume` (0 to 1), `touch` ("pad" or "stick") and `hints` (boolean: whether the page tells the keys). */
+/**
+ * `sound` (boolean), `volume` (0 to 1), `touch` ("pad" or "stick"), `hints` (boolean: whether the page tells the keys) and
+ * `view` ("eyes": the robot's camera, or "arena").
+ */
 export class Preferences {
   #getStorage;
   #values = Object.fromEntries(Object.entries(KINDS).map(([name, [standard]]) => [name, standard]));
