@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from server.camera.stream import SILENCE
 from server.game.rules import DECLARED
 from server.web.assets import asset
 from server.web.words import LANGUAGES
@@ -128,3 +129,11 @@ def test_a_page_gets_the_words_that_its_scripts_say(template: Path) -> None:
 
 def test_each_rule_of_the_desk_has_a_name() -> None:
     assert {f"desk.rule_{rule}" for rule in DECLARED} <= ENGLISH.keys()
+
+
+def test_the_page_knows_the_relays_reasons_as_the_relay_says_them() -> None:
+    sources = "".join(path.read_text() for path in (ROOT / "server" / "camera").glob("*.py"))
+    reasons = re.findall(r'^  "(.+)": "camera\.', (STATIC / "js" / "camera_words.js").read_text(), re.MULTILINE)
+    assert len(reasons) > 5
+    said_by_relay = sources.replace("{SILENCE:g}", f"{SILENCE:g}")
+    assert [reason for reason in reasons if f'"{reason}"' not in said_by_relay] == []

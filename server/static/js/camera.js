@@ -47,7 +47,6 @@ export class Camera {
   #decoding = false;
   #attempts = 0;
   #cancel = () => {}; // of the timer for this connection's end, or the next one's beginning
-  #stopped = true;
 
   /**
    * @param {object} wiring
@@ -71,12 +70,10 @@ export class Camera {
   }
 
   start() {
-    this.#stopped = false;
     this.#connect();
   }
 
   stop() {
-    this.#stopped = true;
     this.#drop();
   }
 
@@ -179,7 +176,7 @@ export class Camera {
     this.#drop();
     const wait = Math.min(MOST_RETRY, RETRY * 2 ** this.#attempts) * (0.5 + this.#world.random());
     this.#attempts += 1;
-    this.#cancel = this.#world.later(wait, () => this.#stopped || this.#connect());
+    this.#cancel = this.#world.later(wait, () => this.#connect());
   }
 
   #drop() {

@@ -26,3 +26,14 @@ export const message = (values = {}) => ({
 export const hit = (number, by, name, life) => ({ number, kind: Number(life === 0), name, by, life });
 
 export const status = (values) => fromTopic(message(values));
+
+/** A picture as the relay sends it. @returns {ArrayBuffer} */
+export function picture({ robot = 3, number = 1, taken = 100, sent = 100, jpeg = [1] } = {}) {
+  const message = new DataView(new ArrayBuffer(24 + jpeg.length));
+  message.setUint8(0, robot);
+  message.setUint32(4, number, true);
+  message.setFloat64(8, taken, true);
+  message.setFloat64(16, sent, true);
+  new Uint8Array(message.buffer, 24).set(jpeg);
+  return message.buffer;
+}
