@@ -117,7 +117,11 @@ def _add_views(
     @api.get("/drive")
     def drive() -> Response:
         game.operate(partial(desk.take_drive, by=g.operator))
-        return jsonify(ticket=operator_ticket(settings.operator_token, time.time()), port=settings.rosbridge_port)
+        return jsonify(ticket=ticket(), port=settings.rosbridge_port)
+
+    @api.get("/camera")
+    def camera() -> Response:
+        return jsonify(ticket=ticket(), port=settings.relay_port)
 
     @api.get("/log.json")
     def log_json() -> Response:
@@ -126,6 +130,9 @@ def _add_views(
     @api.get("/log.csv")
     def log_csv() -> Response:
         return _download("text/csv; charset=utf-8", "csv")
+
+    def ticket() -> str:
+        return operator_ticket(settings.operator_token, time.time())
 
     def _download(content_type: str, ending: str) -> Response:
         try:

@@ -144,7 +144,7 @@ TEAMS: Variable[int] = Variable(
 FRIENDLY_FIRE = flag("LASERBOT_FRIENDLY_FIRE", "1: shots of the own team count, too")
 LIGHT_DAMAGE = flag("LASERBOT_LIGHT_DAMAGE", "1: a hit by coded light takes what its code says, not the usual damage")
 HIDE_CAMERAS = flag(
-    "LASERBOT_HIDE_CAMERAS", "1: while a battle runs, spectators do not see through the robots' [cameras](cameras.md)"
+    "LASERBOT_HIDE_CAMERAS", "1: while a battle runs, spectators do not see through the robots' cameras"
 )
 COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
 BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then the most life wins")

@@ -43,14 +43,20 @@ export class CameraView {
   /** What the relay says of the camera. @param {import("./camera.js").CameraState} state */
   show(state) {
     this.#state = state;
+    if (state.state === "none" || state.state === "refused") this.#forget();
     this.#look();
   }
 
   /** No camera is looked through any more. */
   clear() {
-    this.#takenAt = this.#state = null;
-    this.#canvas.hidden = true;
+    this.#state = null;
+    this.#forget();
     this.#look();
+  }
+
+  #forget() {
+    this.#takenAt = null;
+    this.#canvas.hidden = true;
   }
 
   #look() {

@@ -3,6 +3,7 @@
 import * as api from "./operator_api.js";
 import * as dialogs from "./dialogs.js";
 import { RulesForm, WordsForm } from "./operator_forms.js";
+import { Cameras } from "./operator_cameras.js";
 import { TestDrive } from "./operator_drive.js";
 import { INTERVAL, Poll } from "./operator_poll.js";
 import * as view from "./operator_view.js";
@@ -15,6 +16,7 @@ const byId = (id) => document.getElementById(id);
 const rules = new RulesForm((name) => act(() => api.setRules({ [name]: null }), () => rules.forget(name)));
 const words = new WordsForm();
 const drive = new TestDrive();
+const cameras = new Cameras();
 
 const poll = new Poll({
   ask: api.state,
@@ -53,6 +55,7 @@ async function confirm({ title, text, ok }, order, then) {
 const on = {
   service: (id, inService) => act(() => api.setService(id, inService)),
   identify: (id) => act(() => api.identify(id)),
+  look: (id) => cameras.look(id),
   drive: (id) => act(() => drive.start(id)),
   signOut: (name) =>
     confirm({ title: t("desk.sign_out_sure", { name }), text: t("desk.sign_out_text"), ok: t("desk.sign_out_player") }, () =>
@@ -110,6 +113,7 @@ byId("sign-out").addEventListener("click", async () => {
 addEventListener("pageshow", (event) => event.persisted && location.reload());
 
 connectPreferences();
+cameras.start();
 
 const tick = () => poll.tick(document.hidden);
 document.addEventListener("visibilitychange", tick);

@@ -20,7 +20,7 @@ const WAITER = [["name", t("desk.name")], ["place", t("desk.place")], ["offer", 
 /**
  * Everything on the desk but its forms.
  * @param {object} state of GET /operator/api/state
- * @param {object} on what the rows' buttons do: service(id, inService), identify(id), drive(id), signOut(name), ban(name), unban(name)
+ * @param {object} on what the rows' buttons do: service(id, inService), identify(id), look(id), drive(id), signOut(name), ban(name), unban(name)
  */
 export function showState(state, on) {
   showBattle(state.game);
@@ -56,9 +56,10 @@ function showRobots(robots, on) {
       const service = rowButton("", t("desk.of_robot", { id }), () => on.service(id, service.dataset.to === "in"));
       const drive = rowButton(t("desk.test_drive"), t("desk.of_robot", { id }), () => on.drive(id));
       const identify = rowButton(t("desk.identify"), t("desk.of_robot", { id }), () => on.identify(id));
+      const look = rowButton(t("desk.camera"), t("desk.of_robot", { id }), () => on.look(id));
       service.dataset.button = "service";
       drive.dataset.button = "drive";
-      return tableRow(ROBOT, [identify, service, drive]);
+      return tableRow(ROBOT, [identify, look, service, drive]);
     },
     fill: (row, robot) => {
       const { host, player, ping, link } = words.robotText(robot);

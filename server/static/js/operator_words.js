@@ -184,3 +184,20 @@ export function parseWords(text) {
 export function timeText(at) {
   return dateTime(new Date(at * 1000), { timeStyle: "medium", hourCycle: "h23" });
 }
+
+const LATE = 1; // s; the picture is grey then
+
+/**
+ * A camera that somebody looks through, as the relay's figures tell of it.
+ * @param {{robot: number, viewers: number, rate: number, age: number|null, kilobytes: number|null, state: string}} camera
+ */
+export function cameraRow({ robot, viewers, rate, age, kilobytes, state }) {
+  return {
+    id: t("desk.robot_id", { id: robot }),
+    state: { text: t(`desk.camera_${state}`), level: state === "waiting" ? "bad" : "" },
+    viewers: number(viewers),
+    rate: t("desk.per_second", { n: number(rate) }),
+    age: age === null ? "-" : { text: t("desk.camera_seconds", { n: number(age, { maximumFractionDigits: 2 }) }), level: age > LATE ? "bad" : "" },
+    size: kilobytes === null ? "-" : t("desk.kilobytes", { n: number(kilobytes) }),
+  };
+}

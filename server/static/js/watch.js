@@ -7,6 +7,7 @@ import { arenaPlayers } from "./players.js";
 import { connectPreferences } from "./preferences.js";
 import { Programme } from "./programme.js";
 import { StatusFeed } from "./status_feed.js";
+import { WatchSight } from "./watch_sight.js";
 import * as view from "./watch_view.js";
 
 const TICK = 500; // ms between two looks at what is to be shown
@@ -19,6 +20,7 @@ const feed = new FeedList(byId("feed"));
 const programme = new Programme();
 const leaders = new Leaders(() => askLeaders(serverDay(Date.now(), Number(setting("utc-offset")))));
 const arena = openArena();
+const sight = new WatchSight(arena !== null);
 let status = null;
 let shown = null; // the players of the leaderboard on the page
 
@@ -30,6 +32,7 @@ function take(current) {
   view.showStatus(current);
   view.announce(news.filter((change) => ANNOUNCED.has(change.kind)).map((change) => feedEntry(change).text).join(" "));
   arena?.show(arenaPlayers(current, null));
+  sight.take(current.users);
   look();
 }
 
@@ -46,7 +49,6 @@ function look() {
 /** The arena's picture, where there is one: it is on the host that served this page. */
 function openArena() {
   const port = setting("view-port");
-  document.body.dataset.arena = port ? "yes" : "no";
   if (!port) return null;
   view.showArena("connecting");
   const url = `${location.protocol}//${location.hostname}:${port}/?embedded`;

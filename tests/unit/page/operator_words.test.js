@@ -118,3 +118,13 @@ test("a rule whose values are words", () => {
   assert.equal(words.ruleText({ ...rule(), default: "plain", min: null, max: null }).bounds, "Default: plain.");
   assert.deepEqual(words.changedRules({ light: "coded" }, { light: rule({ value: "plain" }) }), { light: "coded" });
 });
+
+test("a camera that somebody looks through", () => {
+  const row = (values) => words.cameraRow({ robot: 3, viewers: 5, rate: 19.9, age: 0.034, kilobytes: 11.2, state: "live", ...values });
+  assert.deepEqual(row(), {
+    id: "Robot 3", state: { text: "live", level: "" }, viewers: "5", rate: "19.9/s", age: { text: "0.03 s", level: "" }, size: "11.2 kB",
+  });
+  assert.equal(row({ age: 1.2 }).age.level, "bad");
+  const away = row({ state: "waiting", age: null, kilobytes: null });
+  assert.deepEqual([away.state, away.age, away.size], [{ text: "no picture", level: "bad" }, "-", "-"]);
+});

@@ -52,7 +52,12 @@ class Site:
         self.health = RobotsHealth(clock=lambda: self.now)
         self.deaf: set[int] = set()  # robots where nobody listens to what they are asked
         self.identified: list[int] = []
-        variables = {"LASERBOT_OPERATOR_TOKEN": token, "LASERBOT_ROSBRIDGE_PORT": "9191", **variables}
+        variables = {
+            "LASERBOT_OPERATOR_TOKEN": token,
+            "LASERBOT_ROSBRIDGE_PORT": "9191",
+            "LASERBOT_RELAY_PORT": "9192",
+            **variables,
+        }
         settings = Settings.from_env(variables)
         access = Access(settings.operator_token, clock=lambda: self.now)
         api = create_operator_api(
@@ -142,6 +147,7 @@ def done(response: Any) -> None:
 ROUTES = {
     ("GET", "/operator/api/state"): None,
     ("GET", "/operator/api/drive"): None,
+    ("GET", "/operator/api/camera"): None,
     ("GET", "/operator/api/log.json"): None,
     ("GET", "/operator/api/log.csv"): None,
     ("POST", "/operator/api/battle"): {"action": "abort"},
@@ -558,6 +564,7 @@ def test_every_decision_is_in_the_log_with_its_time_and_who(site: Site) -> None:
         done(act(site, operator, action))
     done(operator.post("/operator/api/names", json={"ban": "ada"}))
     assert operator.get("/operator/api/drive").status_code == 200
+    assert operator.get("/operator/api/camera").status_code == 200  # who looks decides nothing
     done(operator.post("/operator/api/message", json={"text": "=hello"}))
     site.keep()
     log = operator.get("/operator/api/state").json["log"]
@@ -615,9 +622,10 @@ def test_without_the_database_only_the_download_fails(site: Site, tmp_path: Path
     assert operator.get("/operator/api/state").status_code == 200
 
 
-def test_a_ticket_for_a_test_drive_is_good_for_seconds(site: Site) -> None:
-    content = site.operator().get("/operator/api/drive").json
-    assert content["port"] == 9191
+@pytest.mark.parametrize(("what", "port"), [("drive", 9191), ("camera", 9192)])
+def test_a_ticket_for_a_test_drive_or_the_cameras_is_good_for_seconds(site: Site, what: str, port: int) -> None:
+    content = site.operator().get(f"/operator/api/{what}").json
+    assert content["port"] == port
     end = int(content["ticket"].partition(".")[0])
     assert is_operator_ticket(content["ticket"], TOKEN, end - 1)
     assert not is_operator_ticket(content["ticket"], TOKEN, end + 1)
