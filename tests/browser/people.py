@@ -20,7 +20,7 @@ class Person:
         self, chromium: Browser, battle: Battle, name: str, *, policy: bool = True, locale: str = "en-GB"
     ) -> None:
         """`policy`: whether the browser heeds the pages' Content-Security-Policy."""
-        self.name = name
+        self.name, self.battle = name, battle
         self.context: BrowserContext = chromium.new_context(
             viewport={"width": 1280, "height": 800}, bypass_csp=not policy, locale=locale
         )

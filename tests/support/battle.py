@@ -25,10 +25,10 @@ PORTS = (
 
 
 class Battle:
-    """`ci/demo` with `robots` virtual robots and `bots` bots; `variables` are LASERBOT_ settings."""
+    """`ci/demo` with `robots` virtual robots and `bots` bots; `variables` are LASERBOT_ settings, ports too."""
 
     def __init__(self, robots: int = 2, bots: int = 0, **variables: str) -> None:
-        self.ports = {variable: free_port() for variable in PORTS}
+        self.ports = {variable: int(variables.get(variable) or free_port()) for variable in PORTS}
         environment = {**{name: str(port) for name, port in self.ports.items()}, **variables}
         self.program = Program([str(ROOT / "ci" / "demo"), "--robots", str(robots), "--bots", str(bots)], environment)
 

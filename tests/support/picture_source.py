@@ -38,7 +38,7 @@ class PictureSource:
     """Sends pictures of `colour` to all who ask for the stream, until it is `silent`."""
 
     def __init__(self, colour: str = "#208040") -> None:
-        self.picture = jpeg(colour)
+        self._picture = jpeg(colour)
         self.silent = False
         self.online = True
         self.late = 0.0  # s that a picture is old when it is sent
@@ -51,6 +51,10 @@ class PictureSource:
     @property
     def url(self) -> str:
         return f"http://{HOST}:{self._server.server_port}"
+
+    def paint(self, colour: str) -> None:
+        """The pictures are of this colour from now on."""
+        self._picture = jpeg(colour)
 
     def __enter__(self) -> Self:
         self._thread.start()
@@ -86,7 +90,7 @@ class PictureSource:
 
     def _part(self) -> bytes:
         online = {} if self.online else {"X_UStreamer_Online": "false"}
-        return part(self.picture, X_Timestamp=f"{time.time() - self.late:.6f}", **online)
+        return part(self._picture, X_Timestamp=f"{time.time() - self.late:.6f}", **online)
 
 
 def tell(ros_port: int, robot: int, url: str | None) -> None:

@@ -42,6 +42,7 @@ export class Camera {
   #wish = null; // the robot to look through
   #said = null; // what the relay knows of that
   #live = false; // pictures are to come
+  #allowed = false; // those that are here may be shown
   #clock = new ClockOffset();
   #next = null; // the newest picture that waits for the one being decoded
   #decoding = false;
@@ -112,7 +113,7 @@ export class Camera {
     const wish = this.#world.isHidden() ? null : this.#wish;
     if (this.#socket?.readyState !== WebSocket.OPEN || wish === this.#said) return;
     this.#said = wish;
-    this.#live = false;
+    this.#live = this.#allowed = false;
     this.#say({ op: "watch", robot: wish });
     if (wish === null) this.#cancel();
     else this.#endIn(SILENCE); // unless it says what became of the wish
@@ -132,6 +133,7 @@ export class Camera {
     if (message.op === "figures") this.#onFigures(message);
     if (message.op !== "camera" || message.robot !== this.#said) return;
     this.#live = message.state === "live";
+    this.#allowed = this.#live || message.state === "waiting"; // a camera that is away may send a picture that says so
     this.#awaitPicture();
     this.#onState({ robot: message.robot, state: message.state, reason: message.reason });
   }
@@ -161,7 +163,7 @@ export class Camera {
   async #draw({ jpeg, robot, takenAt, socket }) {
     const bitmap = await this.#world.decode(jpeg).catch(() => null); // a broken picture is skipped
     if (socket !== this.#socket) return;
-    if (bitmap && robot === this.#said) this.#onPicture(bitmap, takenAt);
+    if (bitmap && this.#allowed && robot === this.#said) this.#onPicture(bitmap, takenAt);
     bitmap?.close();
     this.#say({ op: "seen" });
   }

@@ -105,6 +105,7 @@ test("it says which camera it wishes for and hears what became of that", () => {
 });
 
 test("a picture is drawn with the moment when it was taken by the page's clock, and then it is seen", async () => {
+  sockets[0].tell("live");
   now = 50;
   sockets[0].show({ taken: 999.9, sent: 1000, jpeg: [1] });
   assert.equal(ops(sockets[0], "seen").length, 0);
@@ -115,6 +116,7 @@ test("a picture is drawn with the moment when it was taken by the page's clock, 
 });
 
 test("one picture is decoded at a time, and of those that wait only the newest is drawn; all are seen", async () => {
+  sockets[0].tell("live");
   for (const first of [1, 2, 3]) sockets[0].show({ jpeg: [first] });
   assert.deepEqual(decoding.map(({ first }) => first), [1]);
   await finish();
@@ -125,6 +127,7 @@ test("one picture is decoded at a time, and of those that wait only the newest i
 });
 
 test("a broken picture is skipped, and the next one is drawn", async () => {
+  sockets[0].tell("live");
   sockets[0].show({ jpeg: [1] });
   decoding.pop().fail(new Error("no JPEG"));
   await settle();
@@ -134,11 +137,28 @@ test("a broken picture is skipped, and the next one is drawn", async () => {
 });
 
 test("a picture of the camera before is not drawn", async () => {
+  sockets[0].tell("live");
   sockets[0].show({ robot: 3 });
   camera.watch(4);
   await finish();
   assert.deepEqual(drawn, []);
   assert.deepEqual(watched(sockets[0]), [3, 4]);
+});
+
+test("a picture that is refused while it is decoded is not drawn", async () => {
+  sockets[0].tell("live");
+  sockets[0].show();
+  sockets[0].tell("refused", 3, "the cameras are hidden while a battle runs");
+  await finish();
+  assert.deepEqual(drawn, []);
+  assert.equal(ops(sockets[0], "seen").length, 1);
+});
+
+test("a camera that is away may send a picture that says so", async () => {
+  sockets[0].tell("waiting", 3, "the camera is away");
+  sockets[0].show();
+  await finish();
+  assert.equal(drawn.length, 1);
 });
 
 test("while the page is hidden it looks through no camera", () => {
