@@ -13,6 +13,7 @@ from laser_bot_battle.settings import SettingsError, Variable
 from server.game.rules import DECLARED, Rules
 from server.node import NodeSettings
 from server.operator_token import read_operator_token
+from server.proxies import Network
 
 VARIABLES: tuple[Variable[Any], ...] = (
     variables.BIND,
@@ -20,6 +21,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.ROSBRIDGE,
     variables.RELAY,
     variables.VIEW,
+    variables.PROXIES,
     *DECLARED.values(),
     variables.OPERATOR_TOKEN,
     variables.OPERATOR_TOKEN_FILE,
@@ -40,6 +42,7 @@ class Settings:
     rosbridge_port: int
     relay_port: int  # of the cameras' pictures
     view_port: int | None  # of an arena's view, on the host that serves the page; None: there is none to show
+    proxies: tuple[Network, ...]
     data: Path
     database: URL
     roster: Mapping[str, int]  # IDs that the operator fixed, by the robots' ROS names
@@ -55,6 +58,7 @@ class Settings:
             rosbridge_port=variables.ROSBRIDGE.read(environ),
             relay_port=variables.RELAY.read(environ),
             view_port=variables.VIEW.read(environ),
+            proxies=variables.PROXIES.read(environ),
             data=data,
             database=database_url(environ),
             roster=variables.ROSTER.read(environ),

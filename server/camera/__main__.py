@@ -33,7 +33,7 @@ async def _relay(node: Node, settings: Settings, listener: socket.socket) -> Non
     pages = OwnPages(settings.web_port, settings.origins, own_names())
     async with ros_node(node, RELAY_NODE) as own_node:
         relay = Relay(own_node, Sight(settings.operator_token), settings.viewers, settings.rate)
-        async with WebSocketServer(relay, listener, pages.identity_of, limits_of(settings.viewers)):
+        async with WebSocketServer(relay, listener, pages.identity_of, limits_of(settings.viewers), settings.proxies):
             _log.info("listening on %s port %d", settings.node.bind, settings.node.port)
             await live(node)
 

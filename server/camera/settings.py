@@ -7,6 +7,7 @@ from typing import Self
 from laser_bot_battle import variables
 from server.node import NodeSettings
 from server.operator_token import read_operator_token
+from server.proxies import Network
 
 VARIABLES = (
     variables.BIND,
@@ -17,6 +18,7 @@ VARIABLES = (
     variables.OPERATOR_TOKEN_FILE,
     variables.WEB,
     variables.ORIGINS,
+    variables.PROXIES,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
@@ -33,6 +35,7 @@ class Settings:
     operator_token: str  # empty: nobody is an operator
     web_port: int  # of the game's pages
     origins: tuple[str, ...]  # further addresses of them
+    proxies: tuple[Network, ...]
 
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:
@@ -44,4 +47,5 @@ class Settings:
             operator_token=read_operator_token(environ),
             web_port=variables.WEB.read(environ),
             origins=variables.ORIGINS.read(environ),
+            proxies=variables.PROXIES.read(environ),
         )

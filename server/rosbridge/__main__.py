@@ -46,7 +46,7 @@ async def _talk(node: Node, settings: Settings, listener: socket.socket) -> None
         await start_rosapi(rosapi_node, types, clock, settings.globs)
         bridge = Bridge(own_node, types, clock, Gate(settings.operator_token, settings.globs), settings.is_open)
         pages = OwnPages(settings.web_port, settings.origins, own_names())
-        async with WebSocketServer(bridge, listener, pages.identity_of) as server:
+        async with WebSocketServer(bridge, listener, pages.identity_of, proxies=settings.proxies) as server:
             bridge.touch = server.touch
             _log.info("listening on %s port %d", settings.node.bind, settings.node.port)
             if settings.is_open:

@@ -53,12 +53,11 @@ class OwnPages:
             return False
         if page in self._origins:
             return True
-        return (
-            here is not None
-            and page.host == here["host"]
-            and page.port == self._web_port
-            and (is_local(page.host) or page.host in self._names)
-        )
+        if here is None or page.host != here["host"]:
+            return False
+        # one address for all, or the web server's own port
+        is_here = page.port == int(here["port"] or _PORTS[page.scheme]) or page.port == self._web_port
+        return is_here and (is_local(page.host) or page.host in self._names)
 
 
 def session_token(cookies: list[str]) -> str:

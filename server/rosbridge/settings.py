@@ -8,6 +8,7 @@ from laser_bot_battle import variables
 from laser_bot_battle.settings import Variable
 from server.node import NodeSettings
 from server.operator_token import read_operator_token
+from server.proxies import Network
 from server.rosbridge.globs import Globs
 
 VARIABLES = (
@@ -21,6 +22,7 @@ VARIABLES = (
     variables.PARAMS_GLOB,
     variables.WEB,
     variables.ORIGINS,
+    variables.PROXIES,
     variables.PRIORITY,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
@@ -48,6 +50,7 @@ class Settings:
     globs: Globs
     web_port: int  # of the game's pages
     origins: tuple[str, ...]  # further addresses of them
+    proxies: tuple[Network, ...]
     priority: int  # real-time, 0 for none
 
     @classmethod
@@ -64,5 +67,6 @@ class Settings:
             ),
             web_port=variables.WEB.read(environ),
             origins=variables.ORIGINS.read(environ),
+            proxies=variables.PROXIES.read(environ),
             priority=variables.PRIORITY.read(environ),
         )

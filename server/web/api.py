@@ -23,7 +23,7 @@ from server.game.loop import GameLoop
 from server.game.referee import Verdict
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.users import AVATARS, MAX_NAME, is_reserved_name, is_valid_name
-from server.web.visitors import SignUps, visitor_address, visitor_mark
+from server.web.visitors import SignUps, is_secure, visitor_address, visitor_mark
 
 _log = logging.getLogger(__name__)
 
@@ -87,7 +87,7 @@ def _add_sign_up(api: Blueprint, game: GameLoop) -> None:
             return reply(status="UNAVAILABLE" if verdict is Verdict.NAME_TAKEN else "NO_ROBOTS", user=name)
         response = reply(**_seat(who))
         if who.session == session_digest(token):  # else the page has its cookie already
-            response.set_cookie(SESSION_COOKIE, token, httponly=True, samesite="Lax", path="/")
+            response.set_cookie(SESSION_COOKIE, token, httponly=True, secure=is_secure(), samesite="Lax", path="/")
         return response
 
 

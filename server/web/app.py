@@ -6,6 +6,7 @@ from werkzeug.wrappers import Response as WerkzeugResponse
 
 from laser_bot_battle.hosts import policy_source
 from server.game.loop import GameLoop
+from server.proxies import FRONT
 from server.settings import Settings
 from server.store.results import Results
 from server.web import operator_api
@@ -13,6 +14,7 @@ from server.web.api import cookie_session, create_api, reply
 from server.web.assets import asset, compress_page, with_assets
 from server.web.hosts import request_host, with_valid_host
 from server.web.results import create_results
+from server.web.visitors import PROXIES
 from server.web.words import add_words
 
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
@@ -21,6 +23,7 @@ _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
 def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
     """The WSGI application that serves `game`, with `more` routes than those of players and robots."""
     app = Flask(__name__, static_folder=None)
+    app.config[PROXIES] = settings.proxies
     app.jinja_env.globals["asset"] = asset
     add_words(app)
     api = create_api(game)
@@ -45,8 +48,9 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
         return redirect(asset("img/favicon.png"))
 
     @app.context_processor
-    def page_variables() -> dict[str, int | None]:
+    def page_variables() -> dict[str, object]:
         return {
+            "front": FRONT in request.headers,
             "rosbridge_port": settings.rosbridge_port,
             "relay_port": settings.relay_port,
             "view_port": settings.view_port,
@@ -115,7 +119,7 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
 
 def _page_policy(settings: Settings, host: str) -> str:
     """What a page may do: open WebSockets to rosbridge and the cameras' relay, and show the arena's view, on the host
-    that it came from."""
+    that it came from, or at the one address that the front has for all."""
     name, _ = policy_source(host)
     sockets = [
         f"{scheme}://{name}:{port}"
@@ -123,7 +127,8 @@ def _page_policy(settings: Settings, host: str) -> str:
         for scheme in ("ws", "wss")
     ]
     view = f"{name}:{settings.view_port}"
-    frames = f"http://{view} https://{view}" if settings.view_port else "'none'"
+    views = "'self'" if FRONT in request.headers else f"http://{view} https://{view}"
+    frames = views if settings.view_port else "'none'"
     return (
         f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-src {frames}; "
         f"connect-src 'self' {' '.join(sockets)}; "

@@ -16,7 +16,7 @@ from server.web.operator_access import (
     WrongTokenError,
 )
 from server.web.operator_api import NO_TOKEN, json_body, refusal
-from server.web.visitors import visitor_address
+from server.web.visitors import is_secure, visitor_address
 
 _log = logging.getLogger(__name__)
 
@@ -53,7 +53,9 @@ def create_operator(access: Access) -> Blueprint:
             return _refuse(429, "too many wrong tokens came from your address: wait a moment", error.retry_after)
         _log.info("the operator %s has signed in from %s", name, address)
         response = _done()
-        response.set_cookie(COOKIE, secret, max_age=SESSION_LIFE, path="/operator", httponly=True, samesite="Strict")
+        response.set_cookie(
+            COOKIE, secret, max_age=SESSION_LIFE, path="/operator", httponly=True, secure=is_secure(), samesite="Strict"
+        )
         return response
 
     @pages.post("/logout")

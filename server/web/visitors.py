@@ -4,29 +4,28 @@ import hashlib
 import hmac
 import secrets
 import time
-from ipaddress import ip_address
 
-from flask import request
+from flask import current_app, request
 
 from laser_bot_battle.token_bucket import TokenBuckets
+from server.proxies import FORWARDED, SCHEME, is_proxy, visitor
 
 AT_ONCE = 4  # sign-ups of one address, then
 PERIOD = 3.0  # s for each further one
+PROXIES = "LASERBOT_PROXIES"  # in the application's configuration
 
 _THIS_MACHINE = ("127.0.0.1", "::1")
 _SALT = secrets.token_bytes(16)
-_FORWARDED = "X-Forwarded-For"  # a list to which each proxy adds whose request it passes on
 
 
 def visitor_address() -> str:
-    """The visitor's, also behind a proxy on this machine; what others say of themselves is not believed."""
-    peer = request.remote_addr or ""
-    if not _is_proxied():
-        return peer
-    try:
-        return str(ip_address(request.headers[_FORWARDED].rpartition(",")[2].strip()))
-    except ValueError:
-        return peer
+    """The visitor's, also behind a proxy."""
+    return visitor(request.remote_addr or "", request.headers.get(FORWARDED), current_app.config[PROXIES])
+
+
+def is_secure() -> bool:
+    """Whether the visitor came by TLS, which a proxy has ended."""
+    return request.headers.get(SCHEME) == "https" and is_proxy(request.remote_addr or "", current_app.config[PROXIES])
 
 
 def visitor_mark() -> str:
@@ -42,10 +41,6 @@ class SignUps:
 
     def wait(self) -> float:
         """Count the request as a sign-up, or (not 0) return the s until there may be one from its address."""
-        if request.remote_addr in _THIS_MACHINE and not _is_proxied():
+        if request.remote_addr in _THIS_MACHINE and FORWARDED not in request.headers:
             return 0.0
         return self._buckets.take(visitor_address(), time.monotonic())
-
-
-def _is_proxied() -> bool:
-    return request.remote_addr in _THIS_MACHINE and _FORWARDED in request.headers

@@ -6,6 +6,7 @@
 """
 
 import re
+from ipaddress import IPv4Network, IPv6Network, ip_network
 from pathlib import Path
 
 from laser_bot_battle.announcement import MAX_OWN_NAME
@@ -74,6 +75,13 @@ def _origins(text: str) -> tuple[str, ...]:
     return origins
 
 
+def _networks(text: str) -> tuple[IPv4Network | IPv6Network, ...]:
+    try:
+        return tuple(ip_network(word) for word in text.split())
+    except ValueError as error:
+        raise ValueError(f"must be addresses or networks such as 10.42.0.0/16: {error}") from None
+
+
 def _size(text: str) -> tuple[int, int]:
     match = re.fullmatch(r"([0-9]{2,4})x([0-9]{2,4})", text)
     if not match:
@@ -126,6 +134,13 @@ ORIGINS: Variable[tuple[str, ...]] = Variable(
     "further addresses at which people open the game's pages: `https://arena.example`, with spaces between them",
     _origins,
     "none",
+)
+PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
+    "LASERBOT_PROXIES",
+    (ip_network("127.0.0.1"), ip_network("::1")),
+    "addresses and networks of proxies before the game, whose `X-Forwarded-For` is believed",
+    _networks,
+    "this machine",
 )
 ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` starts; not with compose")
 ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")

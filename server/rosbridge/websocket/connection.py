@@ -48,11 +48,12 @@ class Connection(asyncio.BufferedProtocol):
         "_max_replies", "_moved", "_outbox", "_ping_at", "_place", "_pong", "_transport", "_unsent", "address", "name",
     )  # fmt: skip
 
-    def __init__(self, house: House, transport: asyncio.Transport, place: Place) -> None:
-        """The handshake of `transport` is done; `place` is free, and taken until the socket has gone."""
-        host, port, *_ = transport.get_extra_info("peername") or ("nobody", 0)
-        self.address = str(host)
-        self.name = f"{host}:{port}"
+    def __init__(self, house: House, transport: asyncio.Transport, address: str, place: Place) -> None:
+        """The handshake of `transport` is done. It is the visitor's at `address`, or his proxy's. `place` is free, and
+        taken until the socket has gone."""
+        _, port, *_ = transport.get_extra_info("peername") or ("nobody", 0)
+        self.address = address
+        self.name = f"{address}:{port}"
         self._house, self._transport = house, transport
         self._frames = Frames(MAX_MESSAGE_OF_OTHERS)
         self._outbox: Outbox | None = None  # few clients ever need one

@@ -3,9 +3,11 @@
 import asyncio
 import logging
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from server.proxies import Network
 from server.rosbridge.identity import Identity
 from server.rosbridge.websocket.places import Place, Places
 from server.rosbridge.websocket.turns import Turns
@@ -65,6 +67,7 @@ class House:
     bridge: Bridge
     places: Places
     turns: Turns
+    proxies: Sequence[Network] = ()  # that say for whom they come
     openings: dict[Opening, float] = field(default_factory=dict)  # with the time at which they began
     connections: set[Connection] = field(default_factory=set)
     # every socket is read into this: what a message leaves there is copied before the next is read

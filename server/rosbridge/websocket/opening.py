@@ -11,6 +11,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
+from server.proxies import FORWARDED, is_proxy, visitor
 from server.rosbridge.identity import Identity
 from server.rosbridge.websocket.connection import Connection
 from server.rosbridge.websocket.house import House
@@ -42,7 +43,9 @@ class Opening(asyncio.BufferedProtocol):
         self._transport = cast(asyncio.Transport, transport)  # uvloop's are no subclass
         self.address, *_ = transport.get_extra_info("peername") or ("nobody",)
         openings, limits = self._house.openings, self._house.places.limits
-        of_address = sum(other.address == self.address for other in openings)
+        # a proxy's address says nothing yet of who comes
+        is_many = is_proxy(self.address, self._house.proxies)
+        of_address = 0 if is_many else sum(other.address == self.address for other in openings)
         if len(openings) >= limits.all_opening:
             next(iter(openings)).cut()  # the slowest: most likely it never ends
         openings[self] = self._house.loop.time()
@@ -109,6 +112,7 @@ class Opening(asyncio.BufferedProtocol):
         self._enter(request.headers, response, rest)
 
     def _enter(self, headers: Headers, response: Response, rest: bytes) -> None:
+        self.address = visitor(self.address, only(headers, FORWARDED), self._house.proxies)
         identity = self._identify(only(headers, "Origin"), only(headers, "Host"), headers.get_all("Cookie"))
         place = self._house.bridge.place(identity, self.address)
         if reason := self._house.places.refusal(place):
@@ -117,7 +121,7 @@ class Opening(asyncio.BufferedProtocol):
             return
         del self._house.openings[self]
         self._transport.write(response.serialize())
-        connection = Connection(self._house, self._transport, place)
+        connection = Connection(self._house, self._transport, self.address, place)
         self._transport.set_protocol(connection)
         connection.begin(identity, rest)
 

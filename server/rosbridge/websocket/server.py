@@ -4,11 +4,13 @@ import asyncio
 import contextlib
 import resource
 import socket
+from collections.abc import Sequence
 from types import TracebackType
 from typing import Self
 
 from websockets.frames import CloseCode
 
+from server.proxies import Network
 from server.rosbridge.websocket.connection import CLOSE_TIMEOUT
 from server.rosbridge.websocket.house import Bridge, House
 from server.rosbridge.websocket.opening import Identify, Opening
@@ -29,9 +31,18 @@ SPARE_FILES = 500  # beside the clients' sockets: those of ROS above all
 class WebSocketServer:
     """Listens while in an `async with`."""
 
-    def __init__(self, bridge: Bridge, listener: socket.socket, identify: Identify, limits: Limits | None = None):
-        """`listener` is bound, and not listening yet. `identify` tells who sends a handshake."""
+    def __init__(
+        self,
+        bridge: Bridge,
+        listener: socket.socket,
+        identify: Identify,
+        limits: Limits | None = None,
+        proxies: Sequence[Network] = (),
+    ) -> None:
+        """`listener` is bound, and not listening yet. `identify` tells who sends a handshake. Of `proxies` is believed
+        for whom they come."""
         self._bridge, self._listener, self._identify = bridge, listener, identify
+        self._proxies = proxies
         self._limits = limits or Limits()
         self._house: House
         self._server: asyncio.Server
@@ -41,7 +52,7 @@ class WebSocketServer:
     async def __aenter__(self) -> Self:
         """OSError when the port cannot be had."""
         loop = asyncio.get_running_loop()
-        self._house = House(loop, self._bridge, Places(self._limits), Turns(loop))
+        self._house = House(loop, self._bridge, Places(self._limits), Turns(loop), self._proxies)
         allow_files(self._limits.clients + self._limits.all_opening + SPARE_FILES)
         self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)  # its connections inherit it
         self._server = await loop.create_server(self._open, sock=self._listener, backlog=BACKLOG)

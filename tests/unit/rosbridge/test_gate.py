@@ -337,6 +337,11 @@ def test_without_our_cookie_it_is_anybody(cookies: list[str]) -> None:
         ("https://arena.example", "arena.example"),
         ("https://arena.example:443", "rosbridge.arena.example"),
         ("http://old.example:8080", None),
+        # one address for all, by a proxy before the game; rosbridge itself has no pages
+        ("http://laser_bot_master.local:9090", HOST),
+        ("http://laser_bot_master.local", "laser_bot_master.local"),
+        ("https://192.168.1.7", "192.168.1.7"),
+        ("http://localhost:8000", "localhost:8000"),
     ],
 )
 def test_these_are_pages_of_the_game(origin: str, host: str | None) -> None:
@@ -347,7 +352,6 @@ def test_these_are_pages_of_the_game(origin: str, host: str | None) -> None:
     ("origin", "host"),
     [
         ("http://laser_bot_master.local:8080", HOST),  # another program's page on the same machine
-        ("http://laser_bot_master.local:9090", HOST),
         ("http://laser_bot_master.local", HOST),
         ("https://laser_bot_master.local", HOST),
         ("ftp://laser_bot_master.local:5000", HOST),
@@ -355,6 +359,9 @@ def test_these_are_pages_of_the_game(origin: str, host: str | None) -> None:
         ("http://laser_bot_master.local:5000", None),
         ("http://laser_bot_master.local:5000", "other.local:9090"),
         ("http://other.local:5000", HOST),
+        ("http://evil.example", "evil.example"),
+        ("http://192.168.1.7", "192.168.1.7:8000"),
+        ("https://192.168.1.7", "192.168.1.7:80"),
         ("http://evil.example:5000", "evil.example:9090"),  # whose DNS says that it is this machine
         ("http://1.2.3.4.evil.example:5000", "1.2.3.4.evil.example:9090"),
         ("http://127.0.0.1.:5000", "127.0.0.1.:9090"),

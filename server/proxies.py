@@ -1,0 +1,29 @@
+"""Whose request it is, also behind a proxy: a proxy's word is believed, what others say of themselves is not."""
+
+from collections.abc import Sequence
+from ipaddress import IPv4Network, IPv6Network, ip_address
+
+Network = IPv4Network | IPv6Network
+
+FORWARDED = "X-Forwarded-For"  # a list to which each proxy adds whose request it passes on
+SCHEME = "X-Forwarded-Proto"
+FRONT = "X-Laserbot-Front"  # says that the game, rosbridge, cameras and arena are below one address (server/front)
+
+
+def visitor(peer: str, forwarded: str | None, proxies: Sequence[Network]) -> str:
+    """The visitor's address: the peer's, or, if that is a proxy, the last of the header X-Forwarded-For."""
+    if forwarded is None or not is_proxy(peer, proxies):
+        return peer
+    try:
+        return str(ip_address(forwarded.rpartition(",")[2].strip()))
+    except ValueError:
+        return peer
+
+
+def is_proxy(peer: str, proxies: Sequence[Network]) -> bool:
+    """Whether the address is one of those proxies'."""
+    try:
+        address = ip_address(peer)
+    except ValueError:
+        return False
+    return any(address in network for network in proxies)

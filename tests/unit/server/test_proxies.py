@@ -1,0 +1,32 @@
+"""Whose request it is, behind proxies and without."""
+
+from ipaddress import ip_network
+
+import pytest
+
+from server.proxies import is_proxy, visitor
+
+PROXIES = [ip_network("127.0.0.1"), ip_network("10.42.0.0/16"), ip_network("::1")]
+
+
+@pytest.mark.parametrize(
+    ("peer", "forwarded", "address"),
+    [
+        ("10.0.0.7", None, "10.0.0.7"),
+        ("127.0.0.1", None, "127.0.0.1"),
+        ("127.0.0.1", "10.0.0.7", "10.0.0.7"),
+        ("::1", "fe80::1", "fe80::1"),
+        ("10.42.3.4", "9.9.9.9, 10.0.0.7", "10.0.0.7"),  # the first was said by the visitor himself
+        ("10.43.3.4", "10.0.0.7", "10.43.3.4"),
+        ("127.0.0.1", "nonsense", "127.0.0.1"),
+        ("127.0.0.1", "", "127.0.0.1"),
+        ("", "10.0.0.7", ""),
+    ],
+)
+def test_a_proxy_is_believed_and_nobody_else(peer: str, forwarded: str | None, address: str) -> None:
+    assert visitor(peer, forwarded, PROXIES) == address
+
+
+def test_what_is_no_address_is_no_proxy() -> None:
+    assert not is_proxy("nobody", PROXIES)
+    assert not is_proxy("127.0.0.2", PROXIES)
