@@ -7,7 +7,6 @@ Network = IPv4Network | IPv6Network
 
 FORWARDED = "X-Forwarded-For"  # a list to which each proxy adds whose request it passes on
 SCHEME = "X-Forwarded-Proto"
-FRONT = "X-Laserbot-Front"  # says that the game, rosbridge, cameras and arena are below one address (server/front)
 
 
 def visitor(peer: str, forwarded: str | None, proxies: Sequence[Network]) -> str:

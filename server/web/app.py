@@ -5,8 +5,8 @@ from werkzeug.exceptions import HTTPException, MethodNotAllowed, NotFound
 from werkzeug.wrappers import Response as WerkzeugResponse
 
 from laser_bot_battle.hosts import policy_source
+from laser_bot_battle.names import FRONT_HEADER
 from server.game.loop import GameLoop
-from server.proxies import FRONT
 from server.settings import Settings
 from server.store.results import Results
 from server.web import operator_api
@@ -50,7 +50,7 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
     @app.context_processor
     def page_variables() -> dict[str, object]:
         return {
-            "front": FRONT in request.headers,
+            "front": FRONT_HEADER in request.headers,
             "rosbridge_port": settings.rosbridge_port,
             "relay_port": settings.relay_port,
             "view_port": settings.view_port,
@@ -127,7 +127,7 @@ def _page_policy(settings: Settings, host: str) -> str:
         for scheme in ("ws", "wss")
     ]
     view = f"{name}:{settings.view_port}"
-    views = "'self'" if FRONT in request.headers else f"http://{view} https://{view}"
+    views = "'self'" if FRONT_HEADER in request.headers else f"http://{view} https://{view}"
     frames = views if settings.view_port else "'none'"
     return (
         f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-src {frames}; "

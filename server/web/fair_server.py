@@ -84,6 +84,7 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
             asyncore_use_poll=True,  # select() ends at 1024 files
             max_request_header_size=1 << 15,  # of each place, in memory
             max_request_body_size=1 << 20,  # what the application then refuses politely
+            clear_untrusted_proxy_headers=False,  # the application knows which proxies are believed
             log_socket_errors=False,  # a visitor who goes away is no failure of ours
         )
         workers = ThreadedTaskDispatcher()

@@ -13,6 +13,7 @@ from typing import Any
 from aiohttp import WSCloseCode, WSMsgType, web
 
 from laser_bot_battle.hosts import is_valid_host
+from laser_bot_battle.names import FRONT_HEADER
 from sim.arena.eyes.pages import EYES, EyePages
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
@@ -28,15 +29,16 @@ HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "same-origin",
 }
+FRONTED = '<meta name="front" content="yes">'  # tells the page that the game is at the same address
 KEPT = {"Cache-Control": "public, max-age=31536000, immutable"}
 
 _log = logging.getLogger(__name__)
 
 
 def _files() -> str:
-    """Where the page finds its files. Their content gives the name, so that browsers may keep what is below it."""
+    """Where the page finds its files, below its own address. Their content gives the name: browsers may keep them."""
     content = b"".join(path.read_bytes() for path in sorted(STATIC.iterdir()))
-    return f"/static/{hashlib.sha256(content).hexdigest()[:8]}/"
+    return f"static/{hashlib.sha256(content).hexdigest()[:8]}/"
 
 
 def arena_message(world: World) -> dict[str, Any]:
@@ -84,6 +86,7 @@ class View:
         self._files = _files()
         page = (STATIC / "arena.html").read_text()
         self._page_text = page.replace("{{ rosbridge_port }}", str(rosbridge_port)).replace("{{ files }}", self._files)
+        self._fronted_text = self._page_text.replace("<meta name", FRONTED + "<meta name", 1)
         self._viewers = Viewers()
         self._open: set[web.WebSocketResponse] = set()
         self._newest = ""
@@ -93,7 +96,7 @@ class View:
         app = web.Application(middlewares=[self._with_headers])
         app.router.add_get("/", self._page)
         app.router.add_get("/view", self._view)
-        app.router.add_static(self._files, STATIC)
+        app.router.add_static(f"/{self._files}", STATIC)
         self._eyes.add_to(app)
         app.cleanup_ctx.append(self._run_clock)
         app.on_shutdown.append(self._say_goodbye)  # type: ignore[arg-type]  # typed for an older aiosignal
@@ -116,7 +119,7 @@ class View:
         if not response.prepared:  # is no WebSocket
             for name, value in headers.items():
                 response.headers.setdefault(name, value)  # the eyes' pictures have an own Cache-Control
-            if request.path.startswith(self._files):
+            if request.path.startswith(f"/{self._files}"):
                 response.headers.update(KEPT)
             if not request.path.startswith(EYES):  # those are compressed already
                 response.enable_compression()  # page and scripts take a third of their size
@@ -142,8 +145,9 @@ class View:
                 self._clock.tick()
             await asyncio.sleep(1 / RATE)
 
-    async def _page(self, _request: web.Request) -> web.Response:
-        return web.Response(text=self._page_text, content_type="text/html")
+    async def _page(self, request: web.Request) -> web.Response:
+        text = self._fronted_text if FRONT_HEADER in request.headers else self._page_text
+        return web.Response(text=text, content_type="text/html")
 
     async def _view(self, request: web.Request) -> web.StreamResponse:
         if self._viewers.full:

@@ -14,7 +14,7 @@ const byId = (id) => document.getElementById(id);
 const SETTLING = 3; // s that a picture moves on when nothing new happens: tracks fade, sparks fly
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const isEmbedded = new URLSearchParams(location.search).has("embedded") && window.parent !== window;
-const socketUrl = (host) => `${location.protocol === "https:" ? "wss:" : "ws:"}//${host}`;
+const scheme = location.protocol === "https:" ? "wss:" : "ws:";
 const seconds = () => performance.now() / 1000;
 
 document.documentElement.lang = languageOf(navigator.languages);
@@ -27,7 +27,7 @@ const scene = new Scene(byId("floor"));
 const motion = new Motion();
 const governor = new Governor();
 const cast = new Cast(words);
-const feed = new Feed(`${socketUrl(location.host)}/view`, receive, showConnection);
+const feed = new Feed(`${scheme}//${location.host}${location.pathname}view`, receive, showConnection);
 const embedding = new Embedding(takePlayers, report);
 
 let robots = []; // of the newest state
@@ -103,8 +103,10 @@ function frame(now) {
 if (isEmbedded) {
   embedding.start();
 } else {
-  const port = document.querySelector("meta[name=rosbridge-port]").content;
-  new Game(socketUrl(`${location.hostname}:${port}`), takePlayers).open();
+  const content = (name) => document.querySelector(`meta[name=${name}]`)?.content;
+  // the game is at the same address, or at another port
+  const rosbridge = content("front") ? `${location.host}/rosbridge` : `${location.hostname}:${content("rosbridge-port")}`;
+  new Game(`${scheme}//${rosbridge}`, takePlayers).open();
 }
 feed.open();
 new ResizeObserver(([{ contentRect }]) => {

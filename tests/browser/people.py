@@ -1,8 +1,8 @@
 """Somebody at a browser of their own."""
 
-from playwright.sync_api import Browser, BrowserContext, Page, expect
+from typing import Protocol
 
-from tests.support.battle import Battle
+from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 ARROWS = {
     "ArrowUp": lambda linear, angular, shoot: linear > 0,
@@ -13,11 +13,18 @@ ARROWS = {
 }
 
 
+class Site(Protocol):
+    """Where the game's pages are."""
+
+    @property
+    def web(self) -> str: ...
+
+
 class Person:
     """Somebody at a browser of their own."""
 
     def __init__(
-        self, chromium: Browser, battle: Battle, name: str, *, policy: bool = True, locale: str = "en-GB"
+        self, chromium: Browser, battle: Site, name: str, *, policy: bool = True, locale: str = "en-GB"
     ) -> None:
         """`policy`: whether the browser heeds the pages' Content-Security-Policy."""
         self.name, self.battle = name, battle

@@ -30,6 +30,8 @@ KEY_FIELD = "laserbot_key"  # of the connection header in which a robot register
 
 ROBOT_IDS = range(128)  # what fits the int8 of AddNewRobot.srv
 
+# of a request that came by the front: all of the game is below one address (server/front)
+FRONT_HEADER = "X-Laserbot-Front"
 SESSION_COOKIE = "laserbot_session"
 TICKET_LIFE = 60  # s
 OPERATOR_TICKET_LIFE = 20  # s

@@ -31,7 +31,7 @@ export class ArenaView {
    */
   constructor({ frame, url, onState, clock = browserClock }) {
     this.#frame = frame;
-    this.#url = new URL("/?embedded", url).href;
+    this.#url = new URL("?embedded", url).href;
     this.#origin = new URL(url).origin;
     this.#onState = onState;
     this.#clock = clock;

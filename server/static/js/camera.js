@@ -24,12 +24,6 @@ const browser = {
   onHiding: (act) => document.addEventListener("visibilitychange", act),
 };
 
-/** The address of the relay on the host that served this page. */
-export function relayAddress() {
-  const port = document.querySelector("meta[name=relay-port]").content;
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.hostname}:${port}/`;
-}
-
 /** Looks through one robot's camera at a time, and through none while nobody sees the page. */
 export class Camera {
   #url;

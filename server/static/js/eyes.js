@@ -1,6 +1,7 @@
 // The own robot's camera on the stage, with the arena in its corner; and the key and the buttons that choose between them.
 
-import { Camera, relayAddress } from "./camera.js";
+import { socketAddress } from "./addresses.js";
+import { Camera } from "./camera.js";
 import { CameraView } from "./camera_view.js";
 import { isForPage } from "./controls.js";
 import { isViewKey } from "./keys.js";
@@ -27,7 +28,7 @@ export class Eyes {
     this.#preferences = preferences;
     this.#sights = new Sights(hasArena, preferences.get("view"));
     this.#camera = new Camera({
-      url: relayAddress(),
+      url: socketAddress("relay"),
       getTicket,
       onState: (state) => this.#take(state),
       onPicture: (bitmap, takenAt) => this.#picture.draw(bitmap, takenAt),

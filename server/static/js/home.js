@@ -1,5 +1,6 @@
 // The game page: who am I, what is the state of the battle, where do my commands go.
 
+import { arenaAddress, socketAddress } from "./addresses.js";
 import * as api from "./api.js";
 import { ArenaView } from "./arena_view.js";
 import { Connection } from "./connection.js";
@@ -67,10 +68,8 @@ class Game {
     this.#me = me;
     this.#arena = arena;
     this.#tally = new Tally(me.name, () => performance.now());
-    const port = document.querySelector("meta[name=rosbridge-port]").content;
-    const scheme = location.protocol === "https:" ? "wss" : "ws";
     this.#connection = new Connection({
-      url: `${scheme}://${location.hostname}:${port}`,
+      url: socketAddress("rosbridge"),
       onStatus: (message) => {
         this.#heartbeat.tick(false);
         this.#take(fromTopic(message));
@@ -331,12 +330,12 @@ async function whoAmI() {
 
 /** The arena's picture on the stage, where there is one: it is on the host that served this page. */
 function openArena() {
-  const port = document.querySelector("meta[name=view-port]")?.content;
-  if (!port) return null;
+  const url = arenaAddress();
+  if (!url) return null;
   document.body.classList.add("has-arena");
   return new ArenaView({
     frame: byId("arena"),
-    url: `${location.protocol}//${location.hostname}:${port}/?embedded`,
+    url,
     onState: (arena) => {
       document.body.dataset.arena = arena;
       view.showArenaNote(arena === "live" ? "" : t(`game.arena_${arena}`));

@@ -1,5 +1,6 @@
 // The login page.
 
+import { arenaAddress } from "./addresses.js";
 import * as api from "./api.js";
 import { ArenaView } from "./arena_view.js";
 import { avatarUrl } from "./assets.js";
@@ -175,11 +176,11 @@ addEventListener("pageshow", (event) => event.persisted && location.reload()); /
 
 /** The arena's picture behind the page, where there is one; it stays out of sight until it is there. */
 function openArena() {
-  const port = document.querySelector("meta[name=view-port]")?.content;
-  if (!port) return;
+  const url = arenaAddress();
+  if (!url) return;
   new ArenaView({
     frame: document.getElementById("arena"),
-    url: `${location.protocol}//${location.hostname}:${port}/?embedded`,
+    url,
     onState: (arena) => document.body.classList.toggle("has-arena", arena === "live"),
   });
 }

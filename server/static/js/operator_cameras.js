@@ -1,7 +1,8 @@
 // The cameras on the operator's desk: one robot's picture in the panel #sight, and the relay's figures in #cameras.
 
 import * as api from "./operator_api.js";
-import { Camera, relayAddress } from "./camera.js";
+import { socketAddress } from "./addresses.js";
+import { Camera } from "./camera.js";
 import { CameraView } from "./camera_view.js";
 import { setText } from "./dom.js";
 import { rowButton, setCell, showRows, tableRow } from "./operator_rows.js";
@@ -26,7 +27,7 @@ export class Cameras {
 
   constructor() {
     this.#camera = new Camera({
-      url: relayAddress(),
+      url: socketAddress("relay"),
       getTicket: api.camera,
       onState: (state) => this.#picture.show(state),
       onPicture: (bitmap, takenAt) => this.#picture.draw(bitmap, takenAt),

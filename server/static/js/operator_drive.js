@@ -1,5 +1,6 @@
 // The test drive of a robot that is out of service: the player's pad and keys, signed in to rosbridge as the operator.
 
+import { socketAddress } from "./addresses.js";
 import * as api from "./operator_api.js";
 import { t } from "./words.js";
 import { Connection } from "./connection.js";
@@ -64,9 +65,8 @@ export class TestDrive {
     this.stop(); // the drive of another robot
     this.#opener = opener;
     this.#robot = robot;
-    const scheme = location.protocol === "https:" ? "wss" : "ws";
     this.#connection = new Connection({
-      url: `${scheme}://${location.hostname}:${port}`,
+      url: socketAddress("rosbridge", port),
       onStatus: () => {},
       onChange: () => this.#showConnection(),
       onRefusal: (reason) => this.#refuse(reason),

@@ -1,5 +1,6 @@
 // The page for spectators: a screen in the hall, or a phone. Nobody touches it for a whole evening.
 
+import { arenaAddress, socketAddress } from "./addresses.js";
 import { ArenaView } from "./arena_view.js";
 import { feedEntry, FeedList } from "./feed_words.js";
 import { askLeaders, Leaders, serverDay } from "./leaders.js";
@@ -48,16 +49,15 @@ function look() {
 
 /** The arena's picture, where there is one: it is on the host that served this page. */
 function openArena() {
-  const port = setting("view-port");
-  if (!port) return null;
+  const url = arenaAddress();
+  if (!url) return null;
   view.showArena("connecting");
-  const url = `${location.protocol}//${location.hostname}:${port}/?embedded`;
   return new ArenaView({ frame: byId("arena"), url, onState: view.showArena });
 }
 
 connectPreferences();
 new StatusFeed({
-  url: `${location.protocol === "https:" ? "wss" : "ws"}://${location.hostname}:${setting("rosbridge-port")}`,
+  url: socketAddress("rosbridge"),
   onStatus: take,
   onState: view.showConnection,
 }).start();

@@ -1,7 +1,8 @@
 // What a spectator looks at: the arena, or through one robot's camera. The address keeps the choice, as #robot3: a screen that
 // is loaded again shows the same.
 
-import { Camera, relayAddress } from "./camera.js";
+import { socketAddress } from "./addresses.js";
+import { Camera } from "./camera.js";
 import { CameraView } from "./camera_view.js";
 import { element } from "./dom.js";
 import { t } from "./words.js";
@@ -65,7 +66,7 @@ export class WatchSight {
   #open() {
     this.#picture = new CameraView({ canvas: byId("camera"), note: byId("camera-note"), age: byId("camera-age") });
     this.#camera = new Camera({
-      url: relayAddress(),
+      url: socketAddress("relay"),
       onState: (state) => this.#picture.show(state),
       onPicture: (bitmap, takenAt) => this.#picture.draw(bitmap, takenAt),
     });

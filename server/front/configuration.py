@@ -1,0 +1,52 @@
+"""nginx's configuration, from the settings."""
+
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from server.front.settings import FrontSettings
+
+HERE = Path(__file__).parent
+RATE = 50  # requests/s of one address; a page that loads asks for some 40 files, a page that plays for 2
+# of one address at once; a hall's visitors may share one
+CONNECTIONS = 300
+USER = "nobody"  # of nginx's workers, where the program is root's
+
+
+def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
+    """The text. nginx keeps its own files in `folder`."""
+    templates = Environment(
+        loader=FileSystemLoader(HERE), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return templates.get_template("nginx.conf.j2").render(
+        folder=folder,
+        user=f"{USER} nogroup" if is_root else "",
+        log_level="info" if settings.log_level == "debug" else "error",
+        connections=CONNECTIONS,
+        rate=RATE,
+        ports={
+            "web": settings.web_port,
+            "rosbridge": settings.rosbridge_port,
+            "relay": settings.relay_port,
+            "view": settings.view_port,
+        },
+        servers=_servers(settings),
+        certificate=settings.certificate,
+        trust=HERE / "trust.html",
+        https=f"https://$host{'' if settings.https_port == 443 else f':{settings.https_port}'}$request_uri",
+    )
+
+
+def _servers(settings: FrontSettings) -> list[dict[str, Any]]:
+    wanted = [(settings.http_port, False)]
+    if settings.certificate:
+        wanted.append((settings.https_port, True))
+    return [{"address": address, "tls": tls} for port, tls in wanted for address in _addresses(settings.bind, port)]
+
+
+def _addresses(bind: str, port: int) -> list[str]:
+    """As nginx writes them; every address includes those of IPv6."""
+    if bind == "0.0.0.0":
+        return [f"[::]:{port} ipv6only=off"]
+    return [f"[{bind}]:{port}" if ":" in bind else f"{bind}:{port}"]

@@ -1,0 +1,83 @@
+"""The front's settings."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Self
+
+from laser_bot_battle import variables
+from laser_bot_battle.settings import SettingsError
+
+VARIABLES = (
+    variables.BIND,
+    variables.HTTP,
+    variables.HTTPS,
+    variables.TLS_CERTIFICATE,
+    variables.TLS_KEY,
+    variables.CA_CERTIFICATE,
+    variables.WEB,
+    variables.ROSBRIDGE,
+    variables.RELAY,
+    variables.VIEW,
+    variables.LOG_LEVEL,
+    variables.ALIVE_FILE,
+)
+
+
+@dataclass(frozen=True)
+class Certificate:
+    """For TLS: files in PEM."""
+
+    chain: Path
+    key: Path
+    authority: Path | None  # of the fleet's own, which visitors have to trust first
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        return self.chain, self.key, *([self.authority] if self.authority else [])
+
+
+@dataclass(frozen=True)
+class FrontSettings:
+    """Where visitors come, and where the programs are that answer them, on this machine."""
+
+    bind: str
+    http_port: int
+    https_port: int
+    certificate: Certificate | None  # None: without TLS
+    web_port: int
+    rosbridge_port: int
+    relay_port: int
+    view_port: int | None
+    log_level: str
+
+    @classmethod
+    def from_env(cls, environ: Mapping[str, str]) -> Self:
+        """Read `environ`. SettingsError for an impossible value."""
+        return cls(
+            bind=variables.BIND.read(environ),
+            http_port=variables.HTTP.read(environ),
+            https_port=variables.HTTPS.read(environ),
+            certificate=_certificate(environ),
+            web_port=variables.WEB.read(environ),
+            rosbridge_port=variables.ROSBRIDGE.read(environ),
+            relay_port=variables.RELAY.read(environ),
+            view_port=variables.VIEW.read(environ),
+            log_level=variables.LOG_LEVEL.read(environ),
+        )
+
+
+def _certificate(environ: Mapping[str, str]) -> Certificate | None:
+    chain, key = variables.TLS_CERTIFICATE.read(environ), variables.TLS_KEY.read(environ)
+    authority = variables.CA_CERTIFICATE.read(environ)
+    if not chain and not key:
+        return None
+    if not (chain and key):
+        raise SettingsError(f"{variables.TLS_CERTIFICATE.name} and {variables.TLS_KEY.name} belong together")
+    found = Certificate(Path(chain), Path(key), Path(authority) if authority else None)
+    for file in found.files:
+        try:
+            file.read_bytes()
+        except OSError as error:
+            raise SettingsError(f"the file {file} for TLS cannot be read: {error.strerror}") from None
+    return found

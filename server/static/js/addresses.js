@@ -1,0 +1,19 @@
+// Where the game's other programs are: at ports of the host that this page came from, or, behind the front, below the
+// page's own address.
+
+const PATHS = { rosbridge: "rosbridge", relay: "camera" };
+
+const content = (name) => document.querySelector(`meta[name=${name}]`)?.content;
+
+/** Of a WebSocket. @param {"rosbridge"|"relay"} program @param {number|string} [port] if the page does not tell it */
+export function socketAddress(program, port = content(`${program}-port`)) {
+  const scheme = location.protocol === "https:" ? "wss:" : "ws:";
+  return content("front") ? `${scheme}//${location.host}/${PATHS[program]}` : `${scheme}//${location.hostname}:${port}/`;
+}
+
+/** Of the arena's page; null where there is none. */
+export function arenaAddress() {
+  const port = content("view-port");
+  if (!port) return null;
+  return content("front") ? `${location.origin}/arena/` : `${location.protocol}//${location.hostname}:${port}/`;
+}

@@ -1,0 +1,267 @@
+"""All of the game at one address: real nginx before a real battle, played by programs and by Chromium, with TLS too."""
+
+import json
+import os
+import re
+import shutil
+import socket
+import ssl
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from functools import partial
+from pathlib import Path
+
+import pytest
+import requests
+from playwright.sync_api import Browser, expect
+from websockets.exceptions import InvalidStatus
+from websockets.sync.client import connect
+
+from tests.browser.conftest import FLAGS
+from tests.browser.people import Person
+from tests.support.battle import Battle
+from tests.support.player import Player
+from tests.support.polling import until
+from tests.support.ports import free_port
+from tests.support.programs import Program
+
+TOKEN = "the operator's"
+
+
+@pytest.fixture(scope="module")
+def battle() -> Iterator[Battle]:
+    with Battle(robots=2, LASERBOT_OPERATOR_TOKEN=TOKEN) as running:
+        yield running
+
+
+class Front:
+    """The program before `battle`. To tests.support.player.Player, it is a place to play."""
+
+    def __init__(self, battle: Battle, folder: Path, tls: bool = False, authority: bool = True) -> None:
+        self.http_port, self.https_port = free_port(), free_port()
+        self.folder = folder
+        self.env = {
+            "LASERBOT_BIND": "127.0.0.1",
+            "LASERBOT_HTTP_PORT": str(self.http_port),
+            "LASERBOT_HTTPS_PORT": str(self.https_port),
+            "LASERBOT_VIEW_PORT": str(battle.arena_port),
+            **{
+                name: battle.ports[name]
+                for name in ("LASERBOT_WEB_PORT", "LASERBOT_ROSBRIDGE_PORT", "LASERBOT_RELAY_PORT")
+            },
+        }
+        if tls and authority:
+            self.env["LASERBOT_CA_CERTIFICATE"] = str(folder / "ca.crt")
+        if tls:
+            self.env["LASERBOT_TLS_CERTIFICATE"] = str(folder / "front.crt")
+            self.env["LASERBOT_TLS_KEY"] = str(folder / "front.key")
+        scheme, port = ("https", self.https_port) if tls else ("http", self.http_port)
+        self.web = f"{scheme}://localhost:{port}"
+        self.bridge = f"{'wss' if tls else 'ws'}://localhost:{port}/rosbridge"
+        self.view = f"{'wss' if tls else 'ws'}://localhost:{port}/arena/view"
+
+    def __enter__(self) -> "Front":
+        self.program = Program.python("server.front", env={name: str(value) for name, value in self.env.items()})
+        self.program.wait_for("the game is at port")
+        until(self._answers, 10, "nginx listens")
+        return self
+
+    def _answers(self) -> bool:
+        with socket.socket() as probe:
+            return probe.connect_ex(("127.0.0.1", self.http_port)) == 0
+
+    def __exit__(self, *_: object) -> None:
+        assert self.program.stop() == 0
+
+
+@pytest.fixture(scope="module")
+def front(battle: Battle, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Front]:
+    with Front(battle, tmp_path_factory.mktemp("front")) as running:
+        yield running
+
+
+def openssl(folder: Path, command: str) -> None:
+    subprocess.run(["openssl", *command.split()], cwd=folder, check=True, capture_output=True)
+
+
+def sign(folder: Path, serial: int) -> None:
+    """A certificate of the authority's for localhost."""
+    openssl(folder, "req -newkey rsa:2048 -nodes -keyout front.key -out front.csr -subj /CN=x")
+    (folder / "names").write_text("subjectAltName=DNS:localhost,IP:127.0.0.1\n")
+    authority = f"-CA ca.crt -CAkey ca.key -set_serial {serial}"
+    openssl(folder, f"x509 -req -in front.csr {authority} -days 2 -extfile names -out new.crt")
+    (folder / "new.crt").replace(folder / "front.crt")
+
+
+@pytest.fixture(scope="module")
+def secure(battle: Battle, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Front]:
+    """With a certificate of the fleet's own authority."""
+    folder = tmp_path_factory.mktemp("secure")
+    authority = "-subj /CN=arena -addext keyUsage=critical,keyCertSign"
+    openssl(folder, f"req -x509 -newkey rsa:2048 -nodes -keyout ca.key -out ca.crt -days 2 {authority}")
+    sign(folder, 1)
+    with Front(battle, folder, tls=True) as running:
+        yield running
+
+
+@contextmanager
+def trusting(chromium: Browser, folder: Path) -> Iterator[Browser]:
+    """A Chromium that trusts the authority, as its owner told it to."""
+    database = folder / ".pki" / "nssdb"
+    database.mkdir(parents=True)
+    for words in (["-N", "--empty-password"], ["-A", "-t", "C,,", "-n", "arena", "-i", str(folder / "ca.crt")]):
+        subprocess.run(["certutil", "-d", f"sql:{database}", *words], check=True, capture_output=True)
+    browser = chromium.browser_type.launch(
+        executable_path="/usr/bin/chromium", args=FLAGS, env={**os.environ, "HOME": str(folder)}
+    )
+    yield browser
+    browser.close()
+
+
+def play(chromium: Browser, front: Front, name: str) -> set[str]:
+    """Sign up by the page, see connection and arena live, get ready and sign out. Returns where the page has been."""
+    person = Person(chromium, front, name)
+    page, asked = person.page, set[str]()
+    page.on("request", lambda request: asked.add(request.url))
+    page.on("websocket", lambda opened: asked.add(opened.url))
+    person.log_in()
+    expect(page.locator("#connection-state")).to_have_attribute("data-level", re.compile("good|fair"))
+    expect(page.locator("body")).to_have_attribute("data-arena", "live")
+    page.locator("#ready-btn").click()
+    expect(page.locator("#ready-btn")).to_have_attribute("aria-pressed", "true")
+    page.evaluate("name => fetch('/signOutUser', {method: 'POST', body: new URLSearchParams({data: name})})", name)
+    person.context.close()
+    assert person.complaints == []
+    return {"/".join(url.split("/")[:3]) for url in asked if not url.startswith(("data:", "blob:"))}
+
+
+def test_a_person_plays_at_one_address(front: Front, chromium: Browser) -> None:
+    """Nothing that the page opens is at another one."""
+    assert play(chromium, front, "Ann") == {front.web, front.web.replace("http", "ws")}
+
+
+def test_a_program_drives_through_it(front: Front) -> None:
+    with Player(front, "Bob") as bob, Player(front, "Cleo") as cleo:
+        assert {bob.ready(), cleo.ready()} == {"OK"}
+        bob.wait_for_game(1)
+
+
+def test_a_foreign_page_still_acts_for_nobody(front: Front) -> None:
+    """The cookie counts only with a page of this very address."""
+    with Player(front, "Dan") as dan:
+        cookie = "; ".join(f"{one.name}={one.value}" for one in dan.http.cookies)
+        for origin, status in ((front.web, 200), ("http://evil.example", 403), ("http://localhost:1", 403)):
+            answer = requests.post(
+                f"{front.web}/playerReady",
+                {"user": "Dan", "ready": 0},
+                headers={"Origin": origin, "Cookie": cookie},
+                timeout=5,
+            )
+            assert answer.status_code == status, origin
+
+
+def test_the_ports_stay_for_old_pages(battle: Battle, front: Front) -> None:
+    assert 'name="front"' not in requests.get(f"{battle.web}/home", timeout=5).text
+    assert 'name="front"' in requests.get(f"{front.web}/home", timeout=5).text
+
+
+def test_files_are_compressed_and_kept(front: Front) -> None:
+    page = requests.get(f"{front.web}/", timeout=5)
+    assert page.headers["Content-Encoding"] == "gzip"
+    style = page.text.split('rel="stylesheet" href="')[1].split('"')[0]
+    file = requests.get(front.web + style, timeout=5)
+    assert "immutable" in file.headers["Cache-Control"]
+    assert file.headers["Content-Encoding"] == "gzip"
+
+
+def test_who_sends_too_much_is_told_to_wait(front: Front) -> None:
+    with requests.Session() as session:
+        codes = [session.get(f"{front.web}/watch.json", timeout=5).status_code for _ in range(400)]
+    assert codes[0] == 200
+    assert 429 in codes
+    until(lambda: requests.get(f"{front.web}/watch.json", timeout=5).ok, 10, "the wait is over")
+
+
+def test_a_visitor_who_sends_nothing_is_cut(front: Front) -> None:
+    with socket.create_connection(("127.0.0.1", front.http_port), timeout=15) as slow:
+        slow.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: ")
+        with suppress(ConnectionResetError):
+            assert slow.recv(1000) == b""
+
+
+def test_a_program_that_is_away_is_told_and_found_again(battle: Battle, front: Front) -> None:
+    with battle.pause("server.rosbridge"):
+        assert requests.get(f"{front.web}/watch.json", timeout=5).ok
+    battle.kill("server.rosbridge")
+
+    def refused() -> bool:
+        try:
+            connect(front.bridge).close()
+        except InvalidStatus as error:
+            assert error.response.status_code == 502
+            return False
+        return True
+
+    until(refused, 20, "rosbridge is back")
+
+
+def test_by_tls_a_browser_that_trusts_the_authority_plays(secure: Front, chromium: Browser, tmp_path: Path) -> None:
+    shutil.copy(secure.folder / "ca.crt", tmp_path)
+    with trusting(chromium, tmp_path) as browser:
+        assert play(browser, secure, "Eve") == {secure.web, secure.web.replace("https", "wss")}
+
+
+def test_without_tls_there_is_only_the_way_to_it(secure: Front, chromium: Browser) -> None:
+    plain = f"http://localhost:{secure.http_port}"
+    answer = requests.get(f"{plain}/results?day=1", timeout=5, allow_redirects=False)
+    assert (answer.status_code, answer.headers["Location"]) == (302, f"{secure.web}/results?day=1")
+    assert requests.get(f"{plain}/ca.crt", timeout=5).content == (secure.folder / "ca.crt").read_bytes()
+    page = chromium.new_page()
+    page.goto(f"{plain}/trust")
+    expect(page.get_by_role("heading", name="Trust this arena")).to_be_visible()
+    page.close()
+
+
+def test_a_cookie_that_came_by_tls_goes_back_by_tls_only(secure: Front) -> None:
+    with requests.Session() as session:
+        post = partial(session.post, verify=str(secure.folder / "ca.crt"), timeout=5)
+        answer = post(f"{secure.web}/signUpUser", {"data": "Fay"})
+        assert "Secure" in answer.headers["Set-Cookie"]
+        assert "Strict-Transport-Security" not in answer.headers, "nobody has to trust an own authority for a year"
+        assert json.loads(post(f"{secure.web}/signOutUser", {"data": "Fay"}).text)["status"] == "OK"
+
+
+def test_a_renewed_certificate_is_read_without_a_restart(secure: Front) -> None:
+    def serial() -> int:
+        chain = ssl.get_server_certificate(("localhost", secure.https_port))
+        show = ["openssl", "x509", "-noout", "-serial"]
+        shown = subprocess.run(show, input=chain.encode(), capture_output=True, check=True).stdout.decode()
+        return int(shown.partition("=")[2], 16)
+
+    assert serial() == 1
+    sign(secure.folder, 2)
+    until(lambda: serial() == 2, 10, "the new one is shown")
+
+
+def test_a_real_name_with_a_certificate_that_all_trust_asks_for_tls_from_then_on(
+    battle: Battle, tmp_path: Path
+) -> None:
+    names = "-subj /CN=x -addext subjectAltName=DNS:localhost"
+    openssl(tmp_path, f"req -x509 -newkey rsa:2048 -nodes -keyout front.key -out front.crt -days 2 {names}")
+    with Front(battle, tmp_path, tls=True, authority=False) as front:
+        for host, told in {"arena.example": True, "master.local": False, "10.0.0.7": False, "localhost": False}.items():
+            trusted = str(tmp_path / "front.crt")
+            answer = requests.get(f"{front.web}/", headers={"Host": host}, verify=trusted, timeout=5)
+            assert ("Strict-Transport-Security" in answer.headers) == told, host
+
+
+def test_who_floods_the_sign_up_waits_whatever_he_says_of_himself(front: Front) -> None:
+    """The last test: from then on, sign-ups of this address wait."""
+
+    def sign_up(number: int) -> int:
+        said = {"X-Forwarded-For": f"10.0.0.{number}"}
+        reply = requests.post(f"{front.web}/signUpUser", {"data": f"Gil{number}"}, headers=said, timeout=5)
+        return reply.status_code
+
+    assert requests.codes.too_many_requests in [sign_up(number) for number in range(6)]
