@@ -12,9 +12,7 @@ VARIABLES = (
     variables.BIND,
     variables.HTTP,
     variables.HTTPS,
-    variables.TLS_CERTIFICATE,
-    variables.TLS_KEY,
-    variables.CA_CERTIFICATE,
+    variables.TLS,
     variables.WEB,
     variables.ROSBRIDGE,
     variables.RELAY,
@@ -68,16 +66,20 @@ class FrontSettings:
 
 
 def _certificate(environ: Mapping[str, str]) -> Certificate | None:
-    chain, key = variables.TLS_CERTIFICATE.read(environ), variables.TLS_KEY.read(environ)
-    authority = variables.CA_CERTIFICATE.read(environ)
-    if not chain and not key:
+    given = variables.TLS.read(environ)
+    if not given:
         return None
-    if not (chain and key):
-        raise SettingsError(f"{variables.TLS_CERTIFICATE.name} and {variables.TLS_KEY.name} belong together")
-    found = Certificate(Path(chain), Path(key), Path(authority) if authority else None)
-    for file in found.files:
-        try:
+    chain, key, authority = (Path(given) / name for name in ("front.crt", "front.key", "ca.crt"))
+    try:
+        here = [file for file in (chain, key, authority) if file.exists()]
+        for file in here:
             file.read_bytes()
-        except OSError as error:
-            raise SettingsError(f"the file {file} for TLS cannot be read: {error.strerror}") from None
-    return found
+    except OSError as error:
+        raise SettingsError(
+            f"{variables.TLS.name}={given}: {error.filename} cannot be read: {error.strerror}"
+        ) from None
+    if not here:
+        return None
+    if not {chain, key} <= {*here}:
+        raise SettingsError(f"{variables.TLS.name}={given}: front.crt and front.key belong together")
+    return Certificate(chain, key, authority if authority in here else None)

@@ -38,7 +38,7 @@ def battle() -> Iterator[Battle]:
 class Front:
     """The program before `battle`. To tests.support.player.Player, it is a place to play."""
 
-    def __init__(self, battle: Battle, folder: Path, tls: bool = False, authority: bool = True) -> None:
+    def __init__(self, battle: Battle, folder: Path, tls: bool = False) -> None:
         self.http_port, self.https_port = free_port(), free_port()
         self.folder = folder
         self.env = {
@@ -51,11 +51,8 @@ class Front:
                 for name in ("LASERBOT_WEB_PORT", "LASERBOT_ROSBRIDGE_PORT", "LASERBOT_RELAY_PORT")
             },
         }
-        if tls and authority:
-            self.env["LASERBOT_CA_CERTIFICATE"] = str(folder / "ca.crt")
         if tls:
-            self.env["LASERBOT_TLS_CERTIFICATE"] = str(folder / "front.crt")
-            self.env["LASERBOT_TLS_KEY"] = str(folder / "front.key")
+            self.env["LASERBOT_TLS"] = str(folder)
         scheme, port = ("https", self.https_port) if tls else ("http", self.http_port)
         self.web = f"{scheme}://localhost:{port}"
         self.bridge = f"{'wss' if tls else 'ws'}://localhost:{port}/rosbridge"
@@ -249,7 +246,7 @@ def test_a_real_name_with_a_certificate_that_all_trust_asks_for_tls_from_then_on
 ) -> None:
     names = "-subj /CN=x -addext subjectAltName=DNS:localhost"
     openssl(tmp_path, f"req -x509 -newkey rsa:2048 -nodes -keyout front.key -out front.crt -days 2 {names}")
-    with Front(battle, tmp_path, tls=True, authority=False) as front:
+    with Front(battle, tmp_path, tls=True) as front:
         for host, told in {"arena.example": True, "master.local": False, "10.0.0.7": False, "localhost": False}.items():
             trusted = str(tmp_path / "front.crt")
             answer = requests.get(f"{front.web}/", headers={"Host": host}, verify=trusted, timeout=5)

@@ -119,14 +119,10 @@ ROSBRIDGE = port("LASERBOT_ROSBRIDGE_PORT", ROSBRIDGE_PORT, "rosbridge's WebSock
 RELAY = port("LASERBOT_RELAY_PORT", RELAY_PORT, "where browsers get the pictures of the robots' [cameras](cameras.md)")
 HTTP = port("LASERBOT_HTTP_PORT", 80, "[the one address](front.md) of the whole game")
 HTTPS = port("LASERBOT_HTTPS_PORT", 443, "the same by TLS, if there is a certificate")
-TLS_CERTIFICATE = words(
-    "LASERBOT_TLS_CERTIFICATE", "", "file with the certificate for TLS, and those that it rests on, in PEM"
-)
-TLS_KEY = words("LASERBOT_TLS_KEY", "", "file with its key")
-CA_CERTIFICATE = words(
-    "LASERBOT_CA_CERTIFICATE",
+TLS = words(
+    "LASERBOT_TLS",
     "",
-    "file with the certificate of an authority of your own, which visitors get at `/ca.crt`",
+    "folder with a certificate for TLS: `front.crt` and `front.key` in PEM, and `ca.crt` of an authority of your own",
 )
 RELAY_VIEWERS = whole(
     "LASERBOT_RELAY_VIEWERS", 200, 1, 10_000, "people who may look through cameras at once; one more is refused"
