@@ -48,6 +48,7 @@ def test_compose_takes_every_variable_of_the_table_but_those_that_are_marked() -
         ("rosbridge", "server.rosbridge"),
         ("web", "server.main"),
         ("camera-relay", "server.camera"),
+        ("front", "server.front"),
         ("announcer", "server.announcer"),
         ("robot", "robot.id_service_client"),
         ("camera", "robot.camera"),

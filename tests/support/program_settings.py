@@ -8,6 +8,7 @@ from robot.camera_settings import CameraSettings
 from robot.settings import Settings as RobotSettings
 from server.announcer.settings import Settings as AnnouncerSettings
 from server.camera.settings import Settings as RelaySettings
+from server.front.settings import FrontSettings
 from server.rosbridge.settings import Settings as RosbridgeSettings
 from server.settings import Settings as WebSettings
 from sim.arena.settings import Settings as ArenaSettings
@@ -38,6 +39,11 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.main": (WebSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.camera": (RelaySettings.from_env, lambda found: {found.node.port}, ROS),
+    "server.front": (
+        FrontSettings.from_env,
+        lambda found: {found.http_port} | ({found.https_port} if found.certificate else set()),
+        set(),
+    ),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
     "robot.camera": (CameraSettings.from_env, lambda found: {found.port}, {variable.name for variable in CAMERA}),
