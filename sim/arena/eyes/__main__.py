@@ -18,9 +18,12 @@ def main() -> None:
     if room is None:
         return
     painter = Painter(Room.decode(room))
-    while (scene := read_frame(sys.stdin.buffer)) is not None:
-        sys.stdout.buffer.write(frame_of(painter.jpeg(Scene.decode(scene))))
-        sys.stdout.buffer.flush()
+    try:
+        while (scene := read_frame(sys.stdin.buffer)) is not None:
+            sys.stdout.buffer.write(frame_of(painter.jpeg(Scene.decode(scene))))
+            sys.stdout.buffer.flush()
+    except BrokenPipeError:  # the arena has been killed; what Python still flushes at its end goes nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":
