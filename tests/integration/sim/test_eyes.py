@@ -41,7 +41,11 @@ def painters(arena: Arena) -> list[psutil.Process]:
 
 
 def get(arena: Arena, path: str, **headers: str) -> requests.Response:
-    return requests.get(arena.page + path, headers=headers, timeout=20)
+    """The answer; of one that is a stream only the head: it has no end."""
+    with requests.get(arena.page + path, headers=headers, timeout=20, stream=True) as answer:
+        if not answer.headers["Content-Type"].startswith("multipart/"):
+            assert answer.content
+        return answer
 
 
 @pytest.mark.usefixtures("robot")
