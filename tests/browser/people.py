@@ -4,6 +4,8 @@ from typing import Protocol
 
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
+from tests.support.player import Place
+
 ARROWS = {
     "ArrowUp": lambda linear, angular, shoot: linear > 0,
     "ArrowDown": lambda linear, angular, shoot: linear < 0,
@@ -13,11 +15,11 @@ ARROWS = {
 }
 
 
-class Site(Protocol):
-    """Where the game's pages are."""
+class Site(Place, Protocol):
+    """A place to play with pages and cameras."""
 
     @property
-    def web(self) -> str: ...
+    def relay_port(self) -> int: ...
 
 
 class Person:

@@ -54,6 +54,7 @@ class Front:
         if tls:
             self.env["LASERBOT_TLS"] = str(folder)
         scheme, port = ("https", self.https_port) if tls else ("http", self.http_port)
+        self.relay_port = port
         self.web = f"{scheme}://localhost:{port}"
         self.bridge = f"{'wss' if tls else 'ws'}://localhost:{port}/rosbridge"
         self.view = f"{'wss' if tls else 'ws'}://localhost:{port}/arena/view"
@@ -125,6 +126,7 @@ def play(chromium: Browser, front: Front, name: str) -> set[str]:
     person.log_in()
     expect(page.locator("#connection-state")).to_have_attribute("data-level", re.compile("good|fair"))
     expect(page.locator("body")).to_have_attribute("data-arena", "live")
+    expect(page.locator("#stage")).to_have_attribute("data-view", "eyes")
     page.locator("#ready-btn").click()
     expect(page.locator("#ready-btn")).to_have_attribute("aria-pressed", "true")
     page.evaluate("name => fetch('/signOutUser', {method: 'POST', body: new URLSearchParams({data: name})})", name)

@@ -49,7 +49,7 @@ class Arena:
     @property
     def files(self) -> str:
         """The address below which the page finds its files."""
-        found = re.search(r'src="/(static/\w+/)arena\.js"', requests.get(self.page, timeout=5).text)
+        found = re.search(r'src="(static/\w+/)arena\.js"', requests.get(self.page, timeout=5).text)
         assert found
         return self.page + found[1]
 
