@@ -1,7 +1,10 @@
 """Whose request it is, also behind a proxy: a proxy's word is believed, what others say of themselves is not."""
 
-from collections.abc import Sequence
-from ipaddress import IPv4Network, IPv6Network, ip_address
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from ipaddress import IPv4Network, IPv6Network, ip_address, ip_network
+
+from laser_bot_battle import variables
 
 Network = IPv4Network | IPv6Network
 
@@ -17,6 +20,15 @@ def visitor(peer: str, forwarded: str | None, proxies: Sequence[Network]) -> str
         return str(ip_address(forwarded.rpartition(",")[2].strip()))
     except ValueError:
         return peer
+
+
+def believed(environ: Mapping[str, str]) -> tuple[Network, ...]:
+    """The proxies that the operator names, and those on this machine. SettingsError for an impossible value."""
+    bind = variables.BIND.read(environ)
+    own = ["127.0.0.1", "::1"]
+    with suppress(ValueError):  # a name
+        own.append(str(ip_address(bind)))
+    return (*(ip_network(address) for address in own), *variables.PROXIES.read(environ))
 
 
 def is_proxy(peer: str, proxies: Sequence[Network]) -> bool:

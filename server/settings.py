@@ -13,7 +13,7 @@ from laser_bot_battle.settings import SettingsError, Variable
 from server.game.rules import DECLARED, Rules
 from server.node import NodeSettings
 from server.operator_token import read_operator_token
-from server.proxies import Network
+from server.proxies import Network, believed
 
 VARIABLES: tuple[Variable[Any], ...] = (
     variables.BIND,
@@ -58,7 +58,7 @@ class Settings:
             rosbridge_port=variables.ROSBRIDGE.read(environ),
             relay_port=variables.RELAY.read(environ),
             view_port=variables.VIEW.read(environ),
-            proxies=variables.PROXIES.read(environ),
+            proxies=believed(environ),
             data=data,
             database=database_url(environ),
             roster=variables.ROSTER.read(environ),

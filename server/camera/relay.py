@@ -212,12 +212,20 @@ class Relay:
         """Send the viewer what it may have now, or have it wait for its turn."""
         if viewer.robot is None or not viewer.is_hungry or self._connections[viewer].is_blocked:
             return
-        if viewer.identity.operator or self._sight.is_own(viewer.identity, viewer.robot):
+        if viewer.identity.operator or self._drives(viewer):
             self._send(viewer)
         elif viewer not in self._waiting:
             self._waiting[viewer] = None
             if self._timer is None:
                 self._next_turns()
+
+    def _drives(self, viewer: Viewer) -> bool:
+        """Whether it is the player's own robot, and the one page that the player looks at it on: of several, each has
+        its turn as a spectator's has."""
+        robot = viewer.robot
+        if robot is None or not self._sight.is_own(viewer.identity, robot):
+            return False
+        return sum(other.identity == viewer.identity for other in self._cameras[robot].viewers) == 1
 
     def _next_turns(self) -> None:
         """Send to spectators until the budget is used up."""

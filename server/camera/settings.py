@@ -7,7 +7,7 @@ from typing import Self
 from laser_bot_battle import variables
 from server.node import NodeSettings
 from server.operator_token import read_operator_token
-from server.proxies import Network
+from server.proxies import Network, believed
 
 VARIABLES = (
     variables.BIND,
@@ -47,5 +47,5 @@ class Settings:
             operator_token=read_operator_token(environ),
             web_port=variables.WEB.read(environ),
             origins=variables.ORIGINS.read(environ),
-            proxies=variables.PROXIES.read(environ),
+            proxies=believed(environ),
         )

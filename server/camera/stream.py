@@ -5,6 +5,7 @@ import re
 from collections.abc import Callable
 from typing import NamedTuple
 
+from laser_bot_battle.names import RELAY_HEADER
 from server.camera.multipart import Part, Parts, StreamError, boundary_of
 
 CONNECT = 3.0  # s until the camera must have answered
@@ -43,8 +44,8 @@ async def follow(address: Address, received: Callable[[Part], None]) -> None:
     except (OSError, UnicodeError):  # the latter for what can be no name, such as a..b
         raise StreamError("the camera cannot be reached") from None
     host = f"[{address.host}]" if ":" in address.host else address.host
-    request = f"GET {address.path}/stream?extra_headers=1 HTTP/1.0\r\nHost: {host}:{address.port}\r\n\r\n"
-    writer.write(request.encode())
+    request = f"GET {address.path}/stream?extra_headers=1 HTTP/1.0"
+    writer.write(f"{request}\r\nHost: {host}:{address.port}\r\n{RELAY_HEADER}: 1\r\n\r\n".encode())
     try:
         async with asyncio.timeout(CONNECT):
             head = await reader.readuntil(b"\r\n\r\n")

@@ -7,6 +7,7 @@ import shutil
 import signal
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 from laser_bot_battle import alive
@@ -67,13 +68,18 @@ async def _watch(nginx: asyncio.subprocess.Process, settings: FrontSettings, fol
 def _offer_authority(settings: FrontSettings, folder: Path) -> None:
     """nginx's workers, who are nobody special, give visitors what the operator's own folder may hide."""
     if settings.certificate and settings.certificate.authority:
-        shutil.copyfile(settings.certificate.authority, folder / "ca.crt")
+        with suppress(OSError):  # it is just being replaced
+            shutil.copyfile(settings.certificate.authority, folder / "ca.crt")
 
 
 def _times(settings: FrontSettings) -> list[int]:
     """When the certificate's files were written; those that are just being replaced are missing."""
     files = settings.certificate.files if settings.certificate else ()
-    return [file.stat().st_mtime_ns for file in files if file.exists()]
+    times = []
+    for file in files:
+        with suppress(OSError):
+            times.append(file.stat().st_mtime_ns)
+    return times
 
 
 async def _stop(nginx: asyncio.subprocess.Process) -> None:

@@ -11,6 +11,7 @@ HERE = Path(__file__).parent
 RATE = 50  # requests/s of one address; a page that loads asks for some 40 files, a page that plays for 2
 # of one address at once; a hall's visitors may share one
 CONNECTIONS = 300
+EVERY = "0.0.0.0"
 USER = "nobody"  # of nginx's workers, where the program is root's
 
 
@@ -25,6 +26,7 @@ def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
         log_level="info" if settings.log_level == "debug" else "error",
         connections=CONNECTIONS,
         rate=RATE,
+        host="127.0.0.1" if settings.bind in (EVERY, "::") else _bracketed(settings.bind),
         ports={
             "web": settings.web_port,
             "rosbridge": settings.rosbridge_port,
@@ -42,11 +44,15 @@ def _servers(settings: FrontSettings) -> list[dict[str, Any]]:
     wanted = [(settings.http_port, False)]
     if settings.certificate:
         wanted.append((settings.https_port, True))
-    return [{"address": address, "tls": tls} for port, tls in wanted for address in _addresses(settings.bind, port)]
+    return [{"addresses": _addresses(settings.bind, port), "tls": tls} for port, tls in wanted]
 
 
 def _addresses(bind: str, port: int) -> list[str]:
-    """As nginx writes them; every address includes those of IPv6."""
-    if bind == "0.0.0.0":
-        return [f"[::]:{port} ipv6only=off"]
-    return [f"[{bind}]:{port}" if ":" in bind else f"{bind}:{port}"]
+    """As nginx writes them. Those of IPv6 have a socket of their own: visitors by IPv4 keep their addresses."""
+    if bind == EVERY:
+        return [f"{EVERY}:{port}", *([f"[::]:{port} ipv6only=on"] if Path("/proc/net/if_inet6").exists() else [])]
+    return [f"{_bracketed(bind)}:{port}"]
+
+
+def _bracketed(address: str) -> str:
+    return f"[{address}]" if ":" in address else address

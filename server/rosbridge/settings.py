@@ -8,7 +8,7 @@ from laser_bot_battle import variables
 from laser_bot_battle.settings import Variable
 from server.node import NodeSettings
 from server.operator_token import read_operator_token
-from server.proxies import Network
+from server.proxies import Network, believed
 from server.rosbridge.globs import Globs
 
 VARIABLES = (
@@ -67,6 +67,6 @@ class Settings:
             ),
             web_port=variables.WEB.read(environ),
             origins=variables.ORIGINS.read(environ),
-            proxies=variables.PROXIES.read(environ),
+            proxies=believed(environ),
             priority=variables.PRIORITY.read(environ),
         )

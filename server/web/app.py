@@ -120,12 +120,11 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
 def _page_policy(settings: Settings, host: str) -> str:
     """What a page may do: open WebSockets to rosbridge and the cameras' relay, and show the arena's view, on the host
     that it came from, or at the one address that the front has for all."""
-    name, _ = policy_source(host)
-    sockets = [
-        f"{scheme}://{name}:{port}"
-        for port in (settings.rosbridge_port, settings.relay_port)
-        for scheme in ("ws", "wss")
-    ]
+    name, port = policy_source(host)
+    sources = [f"{name}:{port}" for port in (settings.rosbridge_port, settings.relay_port)]
+    if FRONT_HEADER in request.headers:
+        sources = [name + port]  # older browsers' 'self' has no WebSockets
+    sockets = [f"{scheme}://{source}" for source in sources for scheme in ("ws", "wss")]
     view = f"{name}:{settings.view_port}"
     views = "'self'" if FRONT_HEADER in request.headers else f"http://{view} https://{view}"
     frames = views if settings.view_port else "'none'"

@@ -160,6 +160,11 @@ def test_a_foreign_page_still_acts_for_nobody(front: Front) -> None:
             assert answer.status_code == status, origin
 
 
+def test_the_eyes_are_not_to_be_had_past_the_relay(front: Front) -> None:
+    told = {"X-Laserbot-Relay": "1"}
+    assert requests.get(f"{front.web}/arena/eyes/virtual0/snapshot", headers=told, timeout=5).status_code == 404
+
+
 def test_the_ports_stay_for_old_pages(battle: Battle, front: Front) -> None:
     assert 'name="front"' not in requests.get(f"{battle.web}/home", timeout=5).text
     assert 'name="front"' in requests.get(f"{front.web}/home", timeout=5).text

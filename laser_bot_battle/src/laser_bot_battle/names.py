@@ -30,6 +30,8 @@ KEY_FIELD = "laserbot_key"  # of the connection header in which a robot register
 
 ROBOT_IDS = range(128)  # what fits the int8 of AddNewRobot.srv
 
+# with which the relay asks for a camera's pictures: no page can send it to another origin
+RELAY_HEADER = "X-Laserbot-Relay"
 # of a request that came by the front: all of the game is below one address (server/front)
 FRONT_HEADER = "X-Laserbot-Front"
 SESSION_COOKIE = "laserbot_session"

@@ -144,10 +144,11 @@ ORIGINS: Variable[tuple[str, ...]] = Variable(
 )
 PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
     "LASERBOT_PROXIES",
-    (ip_network("127.0.0.1"), ip_network("::1")),
-    "addresses and networks of proxies before the game, whose `X-Forwarded-For` is believed",
+    (),
+    "addresses and networks of proxies elsewhere before the game's ports, whose `X-Forwarded-For` is believed; on this "
+    "machine, all are",
     _networks,
-    "this machine",
+    "none",
 )
 ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` starts; not with compose")
 ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")

@@ -132,9 +132,17 @@ export class Camera {
     this.#onState({ robot: message.robot, state: message.state, reason: message.reason });
   }
 
+  /** Pictures come, or else the wish is said again now and then: nobody tells a page that its connection is half-open. */
   #awaitPicture() {
-    if (this.#live) this.#endIn(SILENCE);
-    else this.#cancel();
+    if (this.#live) {
+      this.#endIn(SILENCE);
+      return;
+    }
+    this.#cancel();
+    this.#cancel = this.#world.later(SILENCE, () => {
+      this.#said = null;
+      this.#sayWish();
+    });
   }
 
   /** A picture has come: at most one is decoded at a time, and of those that wait meanwhile only the newest counts. */

@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator, Iterator
 
 from aiohttp import web
 
+from laser_bot_battle.names import RELAY_HEADER
 from sim.arena.ambient import Ambient
 from sim.arena.eyes.gallery import Eye, Gallery, Picture
 from sim.arena.world import World
@@ -86,7 +87,7 @@ class EyePages:
     def _admitted(self, request: web.Request) -> str:
         """The robot whose eyes the request is for."""
         # a page would show them to whoever opens it; the relay knows who may see what
-        if "Origin" in request.headers or request.headers.get("Sec-Fetch-Site", "none") != "none":
+        if RELAY_HEADER not in request.headers or "Origin" in request.headers:
             raise web.HTTPForbidden(text="pages get the pictures from the master's relay, not from here")
         robot = request.match_info["robot"]
         if robot not in self._world.robots:

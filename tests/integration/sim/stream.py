@@ -9,7 +9,8 @@ from server.camera.multipart import Part, Parts, boundary_of
 from server.camera.picture import picture_of
 from tests.integration.sim.arena import HOST, Arena
 
-REQUEST = "GET /eyes/{robot}/stream?extra_headers=1 HTTP/1.0\r\nHost: 127.0.0.1\r\n\r\n"  # as the relay asks
+# as the relay asks
+REQUEST = "GET /eyes/{robot}/stream?extra_headers=1 HTTP/1.0\r\nHost: 127.0.0.1\r\nX-Laserbot-Relay: 1\r\n\r\n"
 
 
 class Stream:

@@ -129,6 +129,13 @@ def test_without_a_view_of_the_arena_nothing_is_framed(browser):
     assert policy_of(browser.get("/home"))["frame-src"] == ["'none'"]
 
 
+def test_behind_the_front_everything_is_at_the_pages_own_address() -> None:
+    browser = browser_of(LASERBOT_VIEW_PORT="8123")
+    policy = policy_of(browser.get("/home", headers={"Host": "arena.local:8080", "X-Laserbot-Front": "yes"}))
+    assert policy["connect-src"] == ["'self'", "ws://arena.local:8080", "wss://arena.local:8080"]
+    assert policy["frame-src"] == ["'self'"]
+
+
 def policy_of(response) -> dict[str, list[str]]:
     """By directive."""
     parts = (part.split() for part in response.headers["Content-Security-Policy"].split(";"))

@@ -4,7 +4,8 @@ from ipaddress import ip_network
 
 import pytest
 
-from server.proxies import is_proxy, visitor
+from laser_bot_battle.settings import SettingsError
+from server.proxies import believed, is_proxy, visitor
 
 PROXIES = [ip_network("127.0.0.1"), ip_network("10.42.0.0/16"), ip_network("::1")]
 
@@ -30,3 +31,16 @@ def test_a_proxy_is_believed_and_nobody_else(peer: str, forwarded: str | None, a
 def test_what_is_no_address_is_no_proxy() -> None:
     assert not is_proxy("nobody", PROXIES)
     assert not is_proxy("127.0.0.2", PROXIES)
+
+
+def test_the_front_on_this_machine_is_believed_beside_those_that_are_named() -> None:
+    for environ, proxy in (
+        ({}, "127.0.0.1"),
+        ({"LASERBOT_BIND": "10.0.0.2"}, "10.0.0.2"),
+        ({"LASERBOT_BIND": "x"}, "::1"),
+    ):
+        assert is_proxy(proxy, believed({**environ, "LASERBOT_PROXIES": "10.9.0.0/16"}))
+    assert is_proxy("10.9.1.2", believed({"LASERBOT_PROXIES": "10.9.0.0/16"}))
+    assert not is_proxy("10.9.1.2", believed({}))
+    with pytest.raises(SettingsError, match="LASERBOT_PROXIES=nobody: must be addresses or networks"):
+        believed({"LASERBOT_PROXIES": "nobody"})
