@@ -40,12 +40,14 @@ def screenshots() -> Path:
 
 
 @pytest.fixture
-def person(chromium: Browser, battle: Battle) -> Iterator[Callable[..., Person]]:
-    """Makes people in the module's `battle`; they are signed out and gone after the test."""
+def person(chromium: Browser, battle: Battle, request: pytest.FixtureRequest) -> Iterator[Callable[..., Person]]:
+    """Makes people in the module's `battle`; they are signed out and gone after the test. In a module with EYES they
+    look through their robots' cameras."""
+    eyes = getattr(request.module, "EYES", False)
     people: list[Person] = []
 
     def make(name: str, *, policy: bool = True) -> Person:
-        people.append(Person(chromium, battle, name, policy=policy))
+        people.append(Person(chromium, battle, name, policy=policy, eyes=eyes))
         return people[-1]
 
     yield make

@@ -15,6 +15,13 @@ ARROWS = {
 }
 
 
+# Somebody who has chosen the arena's picture before.
+FROM_ABOVE = """try {
+  if (!localStorage.getItem('laserbot-controls')) localStorage.setItem('laserbot-controls', '{"view": "arena"}');
+} catch {}  // a frame without storage
+"""
+
+
 class Site(Place, Protocol):
     """A place to play with pages and cameras."""
 
@@ -26,13 +33,23 @@ class Person:
     """Somebody at a browser of their own."""
 
     def __init__(
-        self, chromium: Browser, battle: Site, name: str, *, policy: bool = True, locale: str = "en-GB"
+        self,
+        chromium: Browser,
+        battle: Site,
+        name: str,
+        *,
+        policy: bool = True,
+        locale: str = "en-GB",
+        eyes: bool = False,
     ) -> None:
-        """`policy`: whether the browser heeds the pages' Content-Security-Policy."""
+        """`policy`: whether the browser heeds the pages' Content-Security-Policy; `eyes`: whether they look through the
+        robot's camera from the beginning, which costs virtual robots half a processor."""
         self.name, self.battle = name, battle
         self.context: BrowserContext = chromium.new_context(
             viewport={"width": 1280, "height": 800}, bypass_csp=not policy, locale=locale
         )
+        if not eyes:
+            self.context.add_init_script(FROM_ABOVE)
         self.page: Page = self.context.new_page()
         self.complaints: list[str] = []
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))

@@ -16,6 +16,7 @@ from tests.support.polling import until
 from tests.support.ports import free_port
 
 TOKEN = "the hall is open"
+EYES = True
 
 GREEN, RED = "#208040", "#a02020"
 # The colour at a place of the picture on the screen, which covers its box and is cut on two sides; places are 0 to 1.

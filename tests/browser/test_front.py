@@ -119,7 +119,7 @@ def trusting(chromium: Browser, folder: Path) -> Iterator[Browser]:
 
 def play(chromium: Browser, front: Front, name: str) -> set[str]:
     """Sign up by the page, see connection and arena live, get ready and sign out. Returns where the page has been."""
-    person = Person(chromium, front, name)
+    person = Person(chromium, front, name, eyes=True)
     page, asked = person.page, set[str]()
     page.on("request", lambda request: asked.add(request.url))
     page.on("websocket", lambda opened: asked.add(opened.url))

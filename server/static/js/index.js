@@ -34,6 +34,7 @@ const speaker = new Speaker(new Preferences());
 const feel = new Feel({ speaker, vibrate });
 
 let avatar = Math.floor(Math.random() * storage.AVATARS);
+let entered = false; // the page goes
 let busy = false;
 
 function showAvatar() {
@@ -52,8 +53,10 @@ async function logIn() {
   return reply;
 }
 
-/** Go to the own robot. */
+/** Go to the own robot. Whoever takes an offer may hear of it twice before the page has gone. */
 function enter({ user, robot }) {
+  if (entered) return;
+  entered = true;
   storage.save(user, robot, avatar, new Date());
   location.assign("/home");
 }
