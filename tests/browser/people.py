@@ -1,5 +1,6 @@
 """Somebody at a browser of their own."""
 
+import re
 from typing import Protocol
 
 from playwright.sync_api import Browser, BrowserContext, Page, expect
@@ -13,13 +14,6 @@ ARROWS = {
     "ArrowRight": lambda linear, angular, shoot: angular > 0,
     "Space": lambda linear, angular, shoot: shoot,
 }
-
-
-# Somebody who has chosen the arena's picture before.
-FROM_ABOVE = """try {
-  if (!localStorage.getItem('laserbot-controls')) localStorage.setItem('laserbot-controls', '{"view": "arena"}');
-} catch {}  // a frame without storage
-"""
 
 
 class Site(Place, Protocol):
@@ -42,14 +36,14 @@ class Person:
         locale: str = "en-GB",
         eyes: bool = False,
     ) -> None:
-        """`policy`: whether the browser heeds the pages' Content-Security-Policy; `eyes`: whether they look through the
-        robot's camera from the beginning, which costs virtual robots half a processor."""
+        """`policy`: whether the browser heeds the pages' Content-Security-Policy; `eyes`: whether they reach
+        the cameras; virtual robots' cost half a processor."""
         self.name, self.battle = name, battle
         self.context: BrowserContext = chromium.new_context(
             viewport={"width": 1280, "height": 800}, bypass_csp=not policy, locale=locale
         )
         if not eyes:
-            self.context.add_init_script(FROM_ABOVE)
+            self.context.route_web_socket(re.compile(rf":{battle.relay_port}/"), lambda socket: socket.close())
         self.page: Page = self.context.new_page()
         self.complaints: list[str] = []
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
