@@ -24,7 +24,6 @@ SERVICES = {
         "laserbot-rosbridge",
         "laserbot-web",
         "laserbot-camera-relay",
-        "laserbot-front",
         "laserbot-announcer",
     ],
     "robots": ["laserbot-robot"],

@@ -70,7 +70,7 @@ def test_a_battle_is_played_to_its_end(battle: ComposeBattle, players: tuple[Pla
 
 
 def test_no_container_has_more_rights_than_it_needs(battle: ComposeBattle) -> None:
-    assert len(battle.services) == 8
+    assert len(battle.services) == 9
     for service in battle.services:
         host = json.loads(docker("inspect", "--format", "{{json .HostConfig}}", battle.container(service)))
         assert host["ReadonlyRootfs"], service
