@@ -164,6 +164,7 @@ def test_without_a_camera_the_stage_shows_the_arena(person: Callable[[str], Pers
         if any('"live"' in text for text in heard):  # a robot has registered again meanwhile, and told of its own eyes
             heard.clear()
             battle.kill(r"python3 -m server\.camera")
+        bea.page.title()  # Playwright tells of frames only while it is asked something
         return any('"none"' in text for text in heard)
 
     is_told()
