@@ -9,7 +9,6 @@ import asyncio
 import logging
 import os
 import shutil
-import signal
 import socket
 import sys
 import tempfile
@@ -17,8 +16,9 @@ import time
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from laser_bot_battle import alive, variables
+from laser_bot_battle import variables
 from laser_bot_battle.announcement import NoArenaError
+from laser_bot_battle.child import run_child, until_signalled
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.master import Master, MasterError
 from laser_bot_battle.names import RELAY_NODE
@@ -31,7 +31,6 @@ _log = logging.getLogger(__name__)
 
 PROGRAM = "robot.camera"
 KNOWN_FOR = 5.0  # s that an address of the master is believed, and that a stranger does not make us ask again
-STOP_SECONDS = 2.0
 
 
 class MasterAddresses:
@@ -75,9 +74,7 @@ def _relays_addresses(ros_master_uri: str) -> set[str]:
 
 async def run(settings: CameraSettings, environ: dict[str, str]) -> int:
     """Serve until SIGINT or SIGTERM (0), or until ustreamer ends (1)."""
-    end = asyncio.Event()
-    for number in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(number, end.set)
+    end = until_signalled()
     with tempfile.TemporaryDirectory(prefix="laserbot-camera-") as folder:
         at = Path(folder) / "ustreamer"
         door = Door(at, MasterAddresses(environ).has)
@@ -88,40 +85,11 @@ async def run(settings: CameraSettings, environ: dict[str, str]) -> int:
             cure = f"stop the program that uses it, or set {variable}"
             _log.error("cannot listen on port %d: %s; %s", port, error.strerror, cure)
             return 1
-        camera = await asyncio.create_subprocess_exec(*settings.command(at), process_group=0)
         _log.info("camera %s: the master gets its pictures at port %d", settings.device or "(none)", settings.port)
         try:
-            return await _watch(camera, end)
+            return await run_child(settings.command(at), end)
         finally:
             await door.close()
-            await _stop(camera)
-
-
-async def _watch(camera: asyncio.subprocess.Process, end: asyncio.Event) -> int:
-    ended = asyncio.create_task(camera.wait())
-    ordered = asyncio.create_task(end.wait())
-    try:
-        while not ended.done() and not ordered.done():
-            alive.touch()
-            await asyncio.wait([ended, ordered], timeout=alive.PERIOD, return_when=asyncio.FIRST_COMPLETED)
-        if ordered.done():
-            return 0
-        _log.error("ustreamer has ended (%s): the program ends, for its supervisor to start it again", ended.result())
-        return 1
-    finally:
-        ended.cancel()
-        ordered.cancel()
-
-
-async def _stop(camera: asyncio.subprocess.Process) -> None:
-    if camera.returncode is not None:
-        return
-    camera.terminate()
-    try:
-        await asyncio.wait_for(camera.wait(), STOP_SECONDS)
-    except TimeoutError:
-        camera.kill()
-        await camera.wait()
 
 
 def main() -> int:

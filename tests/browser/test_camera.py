@@ -89,7 +89,7 @@ def test_a_player_sees_what_the_robot_sees(ann: Person, camera: PictureSource) -
     assert is_coloured(page, GREEN)
     camera.paint(RED)
     until(lambda: is_coloured(page, RED), 5, "the next picture")
-    assert camera.viewers == 1
+    assert camera.streams == 1
 
 
 def test_a_key_a_button_and_the_arena_in_the_corner_choose_the_view_which_is_remembered(
@@ -103,7 +103,7 @@ def test_a_key_a_button_and_the_arena_in_the_corner_choose_the_view_which_is_rem
     expect(page.locator("#camera")).to_be_hidden()
     expect(page.locator("#to-arena")).to_be_hidden()
     expect(arena).to_be_visible()
-    until(lambda: camera.viewers == 0, 5, "nothing is fetched that nobody sees")
+    until(lambda: camera.streams == 0, 5, "nothing is fetched that nobody sees")
     page.reload()
     expect(page.locator("#view")).to_be_visible()
     expect(stage).to_have_attribute("data-view", "arena")
@@ -123,27 +123,27 @@ def test_a_key_a_button_and_the_arena_in_the_corner_choose_the_view_which_is_rem
 
 def test_a_picture_that_stands_still_is_grey_with_its_age_and_comes_back(ann: Person, camera: PictureSource) -> None:
     page = ann.page
-    camera.silent = True
+    camera.is_frozen = True
     expect(page.locator("#camera")).to_have_attribute("data-level", "stale")
     expect(page.locator("#camera-age")).to_have_text(re.compile(r"^\d+ s old$"))
     expect(page.locator("#camera-note")).to_have_text("The camera's picture stands still.")
     expect(page.locator("#camera-note")).to_have_text("The camera does not answer. The page keeps trying.")
-    camera.silent = False
+    camera.is_frozen = False
     expect(page.locator("#camera")).to_have_attribute("data-level", "fresh")
     expect(page.locator("#camera-note")).to_be_hidden()
 
 
 def test_a_late_picture_tells_its_age(ann: Person, camera: PictureSource) -> None:
-    camera.late = 0.6
+    camera.clock = -0.6
     expect(ann.page.locator("#camera-age")).to_have_text(re.compile(r"^0\.[67] s old$"))
     assert ann.page.locator("#camera").get_attribute("data-level") == "late"
 
 
 def test_a_camera_that_is_unplugged_is_told(ann: Person, camera: PictureSource) -> None:
-    camera.online = False
+    camera.is_online = False
     expect(ann.page.locator("#camera-note")).to_have_text("The robot's camera is away: is it plugged in?")
     expect(ann.page.locator("#camera")).to_have_attribute("data-level", "stale")
-    camera.online = True
+    camera.is_online = True
     expect(ann.page.locator("#camera-note")).to_be_hidden()
 
 
@@ -195,7 +195,7 @@ def test_a_hidden_page_looks_through_no_camera(person: Callable[[str], Person], 
     cem.log_in()
     expect(cem.page.locator("#camera")).to_be_visible()
     cem.page.evaluate(HIDE, True)
-    until(lambda: camera.viewers == 0, 5, "the relay has left the camera")
+    until(lambda: camera.streams == 0, 5, "the relay has left the camera")
     cem.page.evaluate(HIDE, False)
     expect(cem.page.locator("#camera")).to_have_attribute("data-level", "fresh")
     assert wishes == [cem.robot, None, cem.robot]
@@ -305,7 +305,7 @@ def test_operators_look_through_any_camera_and_see_what_all_of_them_cost(
 
 def test_nobody_is_left_out_by_the_cameras(ann: Person, camera: PictureSource) -> None:
     found = {size: violations(ann.page) for size in looks(ann.page)}
-    camera.silent = True
+    camera.is_frozen = True
     expect(ann.page.locator("#camera-note")).to_be_visible()
     found |= {f"stale, {size}": violations(ann.page) for size in looks(ann.page)}
     ann.page.goto(f"{ann.battle.web}/watch#robot{ann.robot}")
