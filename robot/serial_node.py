@@ -19,6 +19,8 @@ import threading
 
 from robot.installed import missing_explained
 
+# rospy imports NumPy, whose OpenBLAS would start threads without this program's priority and blocked signals
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 with missing_explained():
     import rosgraph.names
     import rospy
