@@ -19,7 +19,7 @@ import threading
 
 from robot.installed import missing_explained
 
-# rospy imports NumPy, whose OpenBLAS would start threads without this program's priority and blocked signals
+# rospy imports NumPy, whose OpenBLAS would start threads: with them there is no real-time priority
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 with missing_explained():
     import rosgraph.names

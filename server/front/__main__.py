@@ -29,6 +29,8 @@ async def run(settings: FrontSettings) -> int:
     known = _times(settings)
     with tempfile.TemporaryDirectory(prefix="laserbot-front-") as folder:
         os.chmod(folder, 0o711)  # nginx's workers are nobody special
+        # nginx's workers may not see into the folder where the game is
+        shutil.copyfile(Path(__file__).with_name("trust.html"), Path(folder) / "trust.html")
         _offer_authority(settings, Path(folder))
         file = Path(folder) / "nginx.conf"
         file.write_text(configuration(settings, Path(folder), is_root=os.geteuid() == 0))

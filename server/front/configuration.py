@@ -35,7 +35,6 @@ def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
         },
         servers=_servers(settings),
         certificate=settings.certificate,
-        trust=HERE / "trust.html",
         https=f"https://$host{'' if settings.https_port == 443 else f':{settings.https_port}'}$request_uri",
     )
 

@@ -2,9 +2,12 @@
 
 import asyncio
 import logging
+import os
 import socket
 import sys
 
+# genpy imports NumPy, whose OpenBLAS would start threads: with them there is no real-time priority
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
 from laser_bot_battle import priority
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import ROSAPI_NODE, ROSBRIDGE_NODE

@@ -8,6 +8,7 @@ from playwright.sync_api import Browser, expect, sync_playwright
 
 from tests.browser.people import Person
 from tests.support.battle import Battle
+from tests.support.polling import patience
 from tests.support.programs import ROOT
 
 FLAGS = [
@@ -22,13 +23,24 @@ FLAGS = [
 ]
 
 
+def be_patient() -> None:
+    """What is expected of a page takes longer on a busy machine."""
+    expect.set_options(timeout=20_000 * patience())  # ms
+
+
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Browser]:
-    expect.set_options(timeout=20_000)  # ms; the default of 5 s is short on a busy machine
+    be_patient()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
         yield browser
         browser.close()
+
+
+@pytest.fixture(autouse=True)
+def as_busy_as_now() -> None:
+    """Each test has the patience that it needs when it begins."""
+    be_patient()
 
 
 @pytest.fixture(scope="session")

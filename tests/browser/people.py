@@ -6,6 +6,7 @@ from typing import Protocol
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.support.player import Place
+from tests.support.polling import patience
 
 ARROWS = {
     "ArrowUp": lambda linear, angular, shoot: linear > 0,
@@ -44,6 +45,7 @@ class Person:
         )
         if not eyes:
             self.context.route_web_socket(re.compile(rf":{battle.relay_port}/"), lambda socket: socket.close())
+        self.context.set_default_timeout(30_000 * patience())  # ms
         self.page: Page = self.context.new_page()
         self.complaints: list[str] = []
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))

@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from tests.support.avr import avr_robot
-from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 from tests.support.ros import RosMaster, ros_master
@@ -17,6 +16,7 @@ __all__ = ["ros_master"]
 
 TAKE = """
 import os, threading, time
+{before}
 from laser_bot_battle import priority
 from laser_bot_battle.log import configure_logging
 configure_logging("info")
@@ -35,9 +35,9 @@ WITHOUT_RIGHT = ["setpriv", "--bounding-set=-sys_nice"] if os.geteuid() == 0 els
 granted = pytest.mark.skipif(os.geteuid() != 0, reason="only root is sure to be granted a real-time priority")
 
 
-def take(wanted: int, busy: bool = False, without_right: bool = False) -> tuple[int, str]:
+def take(wanted: int, busy: bool = False, without_right: bool = False, before: str = "") -> tuple[int, str]:
     """The scheduler of a thread of the program, and its log."""
-    command = [sys.executable, "-c", TAKE.format(wanted=wanted, busy=busy)]
+    command = [sys.executable, "-c", TAKE.format(wanted=wanted, busy=busy, before=before)]
     env = {**os.environ, "PYTHONPATH": str(ROOT / "build" / "python")}
     result = subprocess.run(
         WITHOUT_RIGHT * without_right + command, env=env, capture_output=True, text=True, check=True, timeout=300
@@ -68,6 +68,12 @@ def test_a_program_that_never_pauses_gives_it_back() -> None:
     assert "has worked for 0.5 s without a pause: goes on at the usual priority" in log
 
 
+def test_it_takes_none_when_threads_are_there_that_could_not_give_it_back() -> None:
+    scheduler, log = take(1, before="threading.Thread(target=time.sleep, args=[60], daemon=True).start()")
+    assert scheduler == os.SCHED_OTHER
+    assert "libraries have started threads" in log
+
+
 def priorities(process: int) -> set[int]:
     """Of all its threads."""
     return {os.sched_getscheduler(int(thread)) for thread in os.listdir(f"/proc/{process}/task")}
@@ -85,7 +91,7 @@ def test_simulator_serial_node_and_rosbridge_run_at_it(ros_master: RosMaster, tm
         bridge = Program.python("server.rosbridge", "--port", str(free_port()), env=ros_master.env)
         try:
             assert all_threads(node, "/command (") == {os.SCHED_RR}
-            until(lambda: "runs at real-time priority 1" in bridge.output)
+            assert all_threads(bridge, "listening") == {os.SCHED_RR}
         finally:
             node.kill()
             bridge.kill()

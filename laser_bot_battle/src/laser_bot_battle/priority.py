@@ -19,6 +19,10 @@ def take(realtime: int) -> None:
     starts others. `realtime`: 1 to 99, or 0 for none. Programs that it starts would have that priority too."""
     if not realtime:
         return
+    if len(os.listdir("/proc/self/task")) > 1:
+        # they do not block the signal by which it is given back, and would be ended by it, with the whole program
+        _log.warning("libraries have started threads: goes on at the usual priority")
+        return
     with contextlib.suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_RR, os.sched_param(realtime))
         _give_back_when_busy()

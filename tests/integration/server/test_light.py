@@ -112,6 +112,7 @@ def test_health_is_on_the_desk_and_a_weak_robot_is_told_to_its_player(new_duel: 
     def health() -> dict[int, dict[str, Any]]:
         return {robot["id"]: robot["health"] for robot in operate(duel.server, "get", "state")["robots"]}
 
+    until(lambda: all(health().values()), 10, "the other robot has told its health, too")
     robots = health()
     assert (robots[0]["warnings"], robots[1]["warnings"]) == ([], ["low_supply"])
     assert (robots[0]["board"]["supply"], robots[0]["wifi"], robots[0]["cpu"]) == (4950, -60, 0.0)
