@@ -11,7 +11,8 @@ import pytest
 
 from tests.support import imagefile
 from tests.support.containers import docker
-from tests.support.ports import free_port
+from tests.support.polling import until
+from tests.support.ports import free_port, listening
 from tests.support.programs import ROOT, Program
 
 FIGURES = pytest.StashKey[list[str]]()
@@ -82,7 +83,8 @@ def registry(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Registry]:
     subprocess.run(["apt-get", "-q", "download", "docker-registry"], cwd=folder, check=True, capture_output=True)
     (package,) = folder.glob("*.deb")
     subprocess.run(["dpkg-deb", "-x", package, folder / "root"], check=True)
-    place = f"127.0.0.1:{free_port()}"
+    port = free_port()
+    place = f"127.0.0.1:{port}"
     settings = folder / "config.yml"
     settings.write_text(
         f"version: 0.1\nlog: {{level: warn}}\nstorage: {{filesystem: {{rootdirectory: {folder / 'data'}}}}}\n"
@@ -90,5 +92,6 @@ def registry(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Registry]:
     )
     command = [f"{folder}/root/usr/bin/docker-registry", "serve", str(settings)]
     program = Program(command)
+    until(lambda: listening(port), 10, "the registry answers")
     yield Registry(place, command)
     program.stop()

@@ -105,7 +105,7 @@ def test_a_pod_that_is_older_than_the_services_ends_its_programs_until_they_are_
     """A kubelet starts an ended container with the addresses that it knows then."""
     for pod_name, says in {
         "robot-0": {"arduino": "ARENA_SERVICE_PORT_LINK", "robot": "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB)"},
-        "bot": {"bot": "LASERBOT_ROSBRIDGE_PORT=$(MASTER_SERVICE_PORT_ROSBRIDGE)"},
+        "bot": {"bot": "LASERBOT_WEB_PORT=$(MASTER_SERVICE_PORT_WEB)"},
     }.items():
         pod = battle.pods[pod_name]
         pod.start(battle.manifests, {})
@@ -202,6 +202,11 @@ def test_a_real_robot_gets_the_id_of_its_node(version: str, arduino: str, tmp_pa
             pod.start(manifests, {"master": master.address})
         master.wait_until_ready()
         robot.wait_until_ready()
+
+        def robots() -> int:
+            return int(requests.post(f"{web}/getAvailableRobots", timeout=5).json()["availableR"])
+
+        until(lambda: robots() == 1, 30, "the robot is offered")
         reply = requests.post(f"{web}/signUpUser", data={"data": "Ann"}, timeout=5)
         assert json.loads(reply.text)["robot"] == 2
     finally:

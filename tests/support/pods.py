@@ -7,6 +7,7 @@ address is its pod's address: every Service's port is its pod's port (tests/k3s)
 
 import http.client
 import json
+import os
 import re
 import subprocess
 from collections.abc import Mapping
@@ -106,9 +107,13 @@ class Pod:
         return flags + [f"--volume={device}:{path}" for path, device in self._devices.items()]
 
     def _host_path(self, volume: Object) -> Path:
-        """Instead of the host's own folder, one of this test's."""
-        path = Path(self._folder, str(volume["hostPath"]["path"]).lstrip("/"))
+        """Instead of the host's own folder, or of a claim's, one of this test's."""
+        claim = volume.get("persistentVolumeClaim")
+        path = self._folder / (claim["claimName"] if claim else volume["hostPath"]["path"].lstrip("/"))
         path.mkdir(parents=True, exist_ok=True)
+        if claim:  # the cluster gives it to the pod's group
+            os.chown(path, -1, self.spec["securityContext"]["fsGroup"])
+            path.chmod(0o2775)
         return path
 
     def passes(self, name: str, probe: str) -> bool:
