@@ -92,7 +92,8 @@ export class Connection {
   }
 
   #say(operation) {
-    this.#socket.send(JSON.stringify(operation));
+    // one that is closing has not told so yet
+    if (this.#socket.readyState === WebSocket.OPEN) this.#socket.send(JSON.stringify(operation));
   }
 
   #connect() {
