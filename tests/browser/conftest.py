@@ -66,4 +66,4 @@ def person(chromium: Browser, battle: Battle, request: pytest.FixtureRequest) ->
     for one in people:
         one.context.request.post(f"{battle.web}/signOutUser", form={"data": one.name})
         one.context.close()
-        assert one.complaints == []
+    assert [complaint for one in people for complaint in one.complaints] == []

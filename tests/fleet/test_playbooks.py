@@ -125,7 +125,7 @@ def test_a_changed_knob_changes_the_services_that_read_it_and_no_secret_is_print
         for name, services in before.items():
             for service, since in services.items():
                 assert (after[name][service] == since) == (service not in restarted), service
-    assert rehearsal.playbook("deploy").changed == 3
+    assert rehearsal.playbook("deploy").changed == 4
     rehearsal.wait_until_complete()
 
 
