@@ -28,6 +28,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.DATA,
     variables.DATABASE,
     variables.ROSTER,
+    variables.METRICS,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
