@@ -64,6 +64,7 @@ def main() -> int:
             variables.CAMERA_PORT,
             variables.CAMERA_URL,
             variables.LOG_LEVEL,
+            variables.LOG_FORMAT,
         ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -113,7 +114,8 @@ def main() -> int:
 def serve(port: SerialPort, waker: Waker, master: Master, log_level: str) -> int:
     """Be the node until something ends it; returns the exit code."""
     rospy.init_node(NODE, disable_signals=True)
-    configure_logging(log_level)
+    number = rospy.get_name().removeprefix("/Robot")
+    configure_logging(log_level, **({"robot": int(number)} if number.isascii() and number.isdigit() else {}))
     rospy.on_shutdown(lambda: waker.end("another node has taken this node's name"))
     line = SerialLine(port, waker, master)
     health = HealthThread(line.board, port.device, line.state)

@@ -1,5 +1,6 @@
 """The log: one line per event, also when rospy has lost a connection."""
 
+import json
 import logging
 import traceback
 from collections.abc import Iterator
@@ -84,3 +85,25 @@ def test_strangers_have_a_budget_of_lines_and_what_is_left_out_is_counted(capsys
     logging.getLogger(logger).warning("refused")
     lines = capsys.readouterr().err.splitlines()
     assert [line.rpartition(": ")[2] for line in lines] == ["others speak", "refused (and 1,234 more like this)"]
+
+
+def test_a_program_can_read_each_line_and_which_battle_and_robot_it_is_about(capsys, monkeypatch):
+    monkeypatch.setenv("LASERBOT_LOG_FORMAT", "json")
+    configure_logging("info", robot=3)
+    about = {"event": "HitCounted", "battle": 7, "robot": 1}
+    logging.getLogger("server.game.loop").info("a\nhit", extra={"fields": about})
+    try:
+        raise ValueError("a\nb")
+    except ValueError:
+        logging.getLogger("any.logger").exception("failed")
+    hit, failure = map(json.loads, capsys.readouterr().err.splitlines())
+    assert hit.items() >= {"level": "info", "logger": "server.game.loop", "message": r"a\nhit", **about}.items()
+    assert failure["robot"] == 3
+    assert "ValueError" in failure["traceback"]
+
+
+def test_an_unknown_format_ends_the_program_with_a_word(capsys, monkeypatch):
+    monkeypatch.setenv("LASERBOT_LOG_FORMAT", "xml")
+    with pytest.raises(SystemExit, match="2"):
+        configure_logging("info")
+    assert "LASERBOT_LOG_FORMAT=xml: must be one of text, json" in capsys.readouterr().err
