@@ -36,6 +36,12 @@ class RosMaster:
         }
         self._program: Program | None = None
 
+    @property
+    def pid(self) -> int:
+        """Of its process, while it runs."""
+        assert self._program
+        return self._program.process.pid
+
     def start(self) -> None:
         self._program = Program([sys.executable, "/usr/bin/rosmaster", "--core", "-p", str(self.port)], self.env)
         until(lambda: listening(self.port), 10, "the ROS master")
