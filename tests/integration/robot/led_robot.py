@@ -12,18 +12,23 @@ from gpiod.line import Value
 from robot.id_service_client import main
 
 
+def say(text: str) -> None:
+    """Print a line at once and in one piece: the log goes the same way."""
+    print(f"{text}\n", end="", flush=True)
+
+
 class PrintedRequest:
     def set_value(self, line: int, value: Value) -> None:
-        print(f"LED {line} {value.name} at {time.monotonic()}", flush=True)
+        say(f"LED {line} {value.name} at {time.monotonic()}")
 
     def release(self) -> None:
-        print("LED released", flush=True)
+        say("LED released")
 
 
 def request_lines(chip: str, consumer: str, config: dict[int, gpiod.LineSettings]) -> PrintedRequest:
     ((line, settings),) = config.items()
     low = "low" if settings.active_low else "high"
-    print(f"LED {line} of {chip}: {settings.direction.name}, active {low}, {settings.output_value.name}", flush=True)
+    say(f"LED {line} of {chip}: {settings.direction.name}, active {low}, {settings.output_value.name}")
     return PrintedRequest()
 
 
