@@ -2,15 +2,17 @@
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any, TypeVar
 
 import pytest
-from playwright.sync_api import Browser, expect, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
 from tests.browser.people import Person
 from tests.support.battle import Battle
 from tests.support.polling import patience
 from tests.support.programs import ROOT
 
+Waiting = TypeVar("Waiting", BrowserContext, Page)
 FLAGS = [
     "--no-sandbox",
     "--disable-gpu",
@@ -28,11 +30,24 @@ def be_patient() -> None:
     expect.set_options(timeout=20_000 * patience())  # ms
 
 
+def patient(make: Callable[..., Waiting]) -> Callable[..., Waiting]:
+    """What `make` makes, with as much patience; Playwright has no default for a whole browser."""
+
+    def made(**options: Any) -> Waiting:
+        one = make(**options)
+        one.set_default_timeout(30_000 * patience())  # ms
+        return one
+
+    return made
+
+
 @pytest.fixture(scope="module")
 def chromium() -> Iterator[Browser]:
     be_patient()
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
+        for maker in ("new_context", "new_page"):
+            setattr(browser, maker, patient(getattr(browser, maker)))
         yield browser
         browser.close()
 

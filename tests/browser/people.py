@@ -5,7 +5,6 @@ from typing import Protocol
 from playwright.sync_api import Browser, BrowserContext, Page, expect
 
 from tests.support.player import Place
-from tests.support.polling import patience
 
 ARROWS = {
     "ArrowUp": lambda linear, angular, shoot: linear > 0,
@@ -51,7 +50,6 @@ class Person:
         )
         if not eyes:
             self.context.add_init_script(BLIND % battle.relay_port)
-        self.context.set_default_timeout(30_000 * patience())  # ms
         self.page: Page = self.context.new_page()
         self.complaints: list[str] = []
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))

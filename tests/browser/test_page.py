@@ -10,7 +10,7 @@ from tests.browser.people import BLIND, Person
 from tests.browser.weight import Weight
 from tests.support.battle import Battle, Paused
 from tests.support.player import Eyes, Player
-from tests.support.polling import patience, until
+from tests.support.polling import until
 
 STILL = 40  # equal views in a row, at 25 Hz
 # A cookie goes to one host name: the WebSocket to another name of this machine is without it. While `muted`, the page
@@ -38,7 +38,6 @@ def dialog_of(page: Page) -> str:
 def test_a_newcomer_plays_after_150_kilobytes(chromium: Browser, battle: Battle) -> None:
     with chromium.new_context() as context:
         context.add_init_script(BLIND % battle.relay_port)
-        context.set_default_timeout(30_000 * patience())  # ms
         page = context.new_page()
         weight = Weight(page)
         try:
