@@ -5,7 +5,9 @@ import re
 import socket
 import subprocess
 import sys
+import threading
 from collections.abc import Mapping
+from http.server import BaseHTTPRequestHandler, HTTPServer
 from pathlib import Path
 
 import pytest
@@ -108,6 +110,22 @@ def test_a_port_that_is_taken_is_named() -> None:
         program.wait_for(f"cannot listen on 0.0.0.0 port {number}")
         assert program.process.wait(10) == 1
     assert quoted("cannot listen on 0.0.0.0 port 5000")
+
+
+def test_a_program_that_is_no_ros_master_is_named() -> None:
+    with HTTPServer(("127.0.0.1", 0), BaseHTTPRequestHandler) as other:
+        thread = threading.Thread(target=other.serve_forever)
+        thread.start()
+        address = f"localhost:{other.server_port}"
+        environment = {"LASERBOT_WEB_PORT": str(free_port()), "ROS_MASTER_URI": f"http://{address}"}
+        program = Program.python("server.main", env={**environment, "PYTHONPATH": PYTHONPATH})
+        try:
+            program.wait_for(f"does not answer as a ROS master: <ProtocolError for {address}/RPC2: 501")
+        finally:
+            program.stop()
+            other.shutdown()
+            thread.join()
+    assert quoted("does not answer as a ROS master: <ProtocolError for localhost:11311/RPC2: 501")
 
 
 def test_a_component_without_its_ports_is_refused(tmp_path: Path) -> None:

@@ -186,6 +186,19 @@ def test_its_resources_are_bounded(started: Started) -> None:
     assert set(resources["requests"]) == set(resources["limits"]) == {"cpu", "memory"}
 
 
+# MiB that the programs have used at most, in battles on a cluster of two nodes
+PEAKS = {"robot": 138, "arduino": 21, "web": 75, "rosbridge": 61, "ros-master": 53, "arena": 47, "bot": 51}
+
+
+@every_container
+def test_it_asks_for_the_memory_that_it_needs(started: Started) -> None:
+    peak = PEAKS.get(started.container["name"], 0)
+    resources = started.container["resources"]
+    request, limit = (int(resources[name]["memory"].removesuffix("Mi")) for name in ("requests", "limits"))
+    assert peak <= request
+    assert 2 * max(peak, request) <= limit
+
+
 def test_the_rules_of_the_base_are_the_programs_defaults() -> None:
     settings = overlay("lan").config("settings")
     (web,) = [container for _, container in overlay("lan").containers if container["name"] == "web"]
