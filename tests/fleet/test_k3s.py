@@ -29,10 +29,13 @@ STAND_IN = f"""#!/bin/sh
 echo "$*" >>{NOTES}/calls
 again={NOTES}/$(echo "$*" | cksum | cut -d ' ' -f 1)
 case "$*" in
+"kubectl diff --filename -") [ -e {NOTES}/$(cksum | cut -d ' ' -f 1) ] ;;
 "kubectl apply --filename -")
     cat >{NOTES}/given
     known={NOTES}/$(cksum <{NOTES}/given | cut -d ' ' -f 1)
-    [ -e $known ] && ! grep -q stringData {NOTES}/given && echo "thing/one unchanged" || echo "thing/one configured"
+    # of these it says so each time
+    [ -e $known ] && ! grep -q -e stringData -e PodDisruptionBudget {NOTES}/given && said=unchanged || said=configured
+    echo "thing/one $said"
     mv {NOTES}/given $known
     ;;
 *" delete secret operator --ignore-not-found")
