@@ -65,7 +65,7 @@ def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[
 @contextmanager
 def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[None]:
     roster = Roster(settings.roster)
-    database = Database(settings.database)
+    database = Database(settings.database, settings.arena)
     game = GameLoop(Referee(settings.rules, _state(database, roster, settings)))
     database.found = lambda kept: game.take_over(kept.state or {}, roster.with_fixed(kept.robots))
     log = EventLog(database)

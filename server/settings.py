@@ -27,6 +27,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.OPERATOR_TOKEN_FILE,
     variables.DATA,
     variables.DATABASE,
+    variables.ARENA_NAME,
     variables.ROSTER,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
@@ -45,6 +46,7 @@ class Settings:
     proxies: tuple[Network, ...]
     data: Path
     database: URL
+    arena: str  # whose data these are, where several arenas share the database; "": a file, which is never shared
     roster: Mapping[str, int]  # IDs that the operator fixed, by the robots' ROS names
     rules: Rules
     operator_token: str  # empty: nobody is an operator
@@ -53,6 +55,7 @@ class Settings:
     def from_env(cls, environ: Mapping[str, str]) -> Self:
         """Read `environ`. SettingsError for an impossible value."""
         data = _expanded(variables.DATA.read(environ))
+        database, arena = database_url(environ), variables.ARENA_NAME.read(environ)
         return cls(
             node=NodeSettings.from_env(environ, variables.WEB),
             rosbridge_port=variables.ROSBRIDGE.read(environ),
@@ -60,7 +63,8 @@ class Settings:
             view_port=variables.VIEW.read(environ),
             proxies=believed(environ),
             data=data,
-            database=database_url(environ),
+            database=database,
+            arena="" if database.drivername == "sqlite" else arena,
             roster=variables.ROSTER.read(environ),
             rules=Rules(**{name: variable.read(environ) for name, variable in DECLARED.items()}),
             operator_token=read_operator_token(environ),

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import URL, Connection, Engine, create_engine, delete, event, func, insert, select, update
+from sqlalchemy import URL, Connection, Engine, Row, create_engine, delete, event, func, insert, select, update
 from sqlalchemy.exc import DatabaseError
 
 from server.game import events
@@ -59,11 +59,17 @@ class AwayError(Exception):
 
 
 class Database:
-    """A thread of its own writes. `problem` says why it cannot, "" while it can."""
+    """Of one arena, which may share it with others: see schema.py. A thread of its own writes. `problem` says why it
+    cannot, "" while it can."""
 
     def __init__(
-        self, url: URL, wall: Callable[[], float] = time.time, clock: Callable[[], float] = time.monotonic
+        self,
+        url: URL,
+        arena: str = "",
+        wall: Callable[[], float] = time.time,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
+        self.arena = arena
         self.problem = ""
         self.found: Callable[[Kept], None] = lambda kept: None  # told what is there, when it could not be read before
         self._unread = False
@@ -97,7 +103,7 @@ class Database:
         try:
             with self._transaction() as connection:
                 for caller, robot in ids.items():
-                    _keep_robot(connection, caller, robot)
+                    _keep_robot(connection, self.arena, caller, robot)
         except Exception as error:
             self._tell(error)
 
@@ -188,7 +194,7 @@ class Database:
                 if saved:
                     battle = self._write_events(connection, recorded, saved, offset)
                 for piece in pieces:
-                    _keep_piece(connection, piece, offset)
+                    _keep_piece(connection, self.arena, piece, offset)
         except Exception as error:
             self._tell(error)
             self._engine.dispose()  # a connection that was given up may still get the answer
@@ -203,17 +209,18 @@ class Database:
         self, connection: Connection, recorded: list[Recorded], saved: Mapping[str, Any], offset: float
     ) -> int | None:
         """Returns the row of the battle that runs after them."""
-        connection.execute(delete(schema.state))  # first, since it waits for an earlier attempt to end
-        newest = connection.scalar(select(func.max(schema.events.c.id))) or 0
+        own = schema.state.c.arena == self.arena
+        connection.execute(delete(schema.state).where(own))  # first, since it waits for an earlier attempt to end
+        newest = connection.scalar(select(func.max(schema.events.c.id)).where(schema.events.c.arena == self.arena)) or 0
         if self._unsure and newest > self._unsure.newest:
             self._battle, recorded[:] = self._unsure.battle, _after(self._unsure.last, recorded)
             self._unsure = None
         battle = self._battle
-        forgotten = find_forgotten(connection, saved)
+        forgotten = find_forgotten(connection, saved, self.arena)
         for one in recorded:
-            battle = _keep(connection, one, offset, battle, forgotten)
+            battle = _keep(connection, one, offset, battle, forgotten, arena=self.arena)
         data = renamed(dict(saved), forgotten)
-        connection.execute(insert(schema.state).values(id=1, at=self._wall(), data=data))
+        connection.execute(insert(schema.state).values(arena=self.arena, at=self._wall(), data=data))
         if recorded:
             self._unsure = _Attempt(newest, recorded[-1], battle)
         return battle
@@ -237,12 +244,14 @@ class Database:
     def _load(self) -> Kept:
         with self._transaction() as connection:
             versions.prepare(connection)
-            row = connection.execute(select(schema.state.c.at, schema.state.c.data)).first()
-            last = connection.execute(select(schema.battles).order_by(schema.battles.c.id.desc()).limit(1)).first()
+            state, robots = schema.state.c, schema.robots.c
+            row = connection.execute(select(state.at, state.data).where(state.arena == self.arena)).first()
+            known = connection.execute(select(schema.robots).where(robots.arena == self.arena))
+            last = last_battle(connection, self.arena)
             if row and last and last.ended is None and last.number == row.data.get("battle"):
                 self._battle = last.id
             return Kept(
-                robots={row.caller: row.robot for row in connection.execute(select(schema.robots))},
+                robots={row.caller: row.robot for row in known},
                 battles=last.number if last else 0,
                 state=row.data if row else None,
                 saved_at=row.at if row else 0.0,
@@ -294,19 +303,33 @@ def _after(last: Recorded, recorded: list[Recorded]) -> list[Recorded]:
     return recorded[places[0] + 1 :] if places else recorded
 
 
+def last_battle(connection: Connection, arena: str) -> Row[Any] | None:
+    """The newest of that arena."""
+    battles = schema.battles.c
+    newest = select(schema.battles).where(battles.arena == arena).order_by(battles.id.desc())
+    return connection.execute(newest.limit(1)).first()
+
+
 def _keep(
-    connection: Connection, recorded: Recorded, offset: float, battle: int | None, forgotten: Mapping[str, str]
+    connection: Connection,
+    recorded: Recorded,
+    offset: float,
+    battle: int | None,
+    forgotten: Mapping[str, str],
+    *,
+    arena: str,
 ) -> int | None:
     """Write one event; returns the row of the battle that runs after it."""
     decided, at = recorded.event, recorded.at + offset
     match decided:
         case events.RobotLinked(robot, True, caller) if caller:  # a name alone is not a robot
-            _keep_robot(connection, caller, robot)
+            _keep_robot(connection, arena, caller, robot)
         case events.BattleStarted(number):
-            made = connection.execute(insert(schema.battles).values(number=number, began=at))
+            made = connection.execute(insert(schema.battles).values(arena=arena, number=number, began=at))
             battle = made.inserted_primary_key[0] if made.inserted_primary_key else None
     fields = renamed(to_json(decided), forgotten) | {name: "" for name in _SECRET if hasattr(decided, name)}
-    connection.execute(insert(schema.events).values(at=at, battle=battle, kind=kind_of(decided), data=fields))
+    row = {"arena": arena, "at": at, "battle": battle, "kind": kind_of(decided), "data": fields}
+    connection.execute(insert(schema.events).values(row))
     if isinstance(decided, events.BattleEnded):
         connection.execute(
             update(schema.battles)
@@ -318,19 +341,19 @@ def _keep(
     return None if isinstance(decided, events.BattleEnded) else battle
 
 
-def _keep_piece(connection: Connection, piece: Piece, offset: float) -> None:
+def _keep_piece(connection: Connection, arena: str, piece: Piece, offset: float) -> None:
     """What has no battle is left out: the battle's beginning was lost while the database was away."""
     battles = schema.battles.c
-    newest = select(battles.id, battles.began).where(battles.number == piece.battle).order_by(battles.id.desc())
-    if row := connection.execute(newest.limit(1)).first():
+    same = select(battles.id, battles.began).where(battles.arena == arena, battles.number == piece.battle)
+    if row := connection.execute(same.order_by(battles.id.desc()).limit(1)).first():
         connection.execute(insert(schema.tracks).values(battle=row.id, data=piece.to_json(row.began - offset)))
 
 
-def _keep_robot(connection: Connection, caller: str, robot: int) -> None:
-    connection.execute(
-        delete(schema.robots).where((schema.robots.c.caller == caller) | (schema.robots.c.robot == robot))
-    )
-    connection.execute(insert(schema.robots).values(caller=caller, robot=robot))
+def _keep_robot(connection: Connection, arena: str, caller: str, robot: int) -> None:
+    robots = schema.robots.c
+    same = (robots.caller == caller) | (robots.robot == robot)
+    connection.execute(delete(schema.robots).where(robots.arena == arena, same))
+    connection.execute(insert(schema.robots).values(arena=arena, caller=caller, robot=robot))
 
 
 def make_engine(url: URL) -> Engine:

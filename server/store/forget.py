@@ -1,6 +1,6 @@
 """Deleting a player's data: battles stay, and another name stands where the player's was.
 
-Works beside a server that runs. That one may still show the player in the last result, and would write the name again:
+Works beside servers that run. Each may still show the player in its last result, and would write the name again:
 until it has a new result, it is told by the table `forgotten` what to write instead.
 """
 
@@ -30,14 +30,16 @@ def forget(connection: Connection, name: str) -> str:
     if not is_valid_name(name):
         raise nobody
     # written first, so that nobody else writes from here on
-    made = connection.execute(insert(schema.forgotten).values(at=time.time(), digest=_digest(name)))
+    arenas = list(connection.scalars(select(schema.state.c.arena)))
+    given = {"at": time.time(), "digest": _digest(name) if arenas else None, "arenas": arenas}
+    made = connection.execute(insert(schema.forgotten).values(given))
     number = made.inserted_primary_key[0] if made.inserted_primary_key else 0
     neutral = _neutral(number)
-    state = connection.scalar(select(schema.state.c.data)) or {}
-    if name in _names(state, "users", "queue"):
-        raise ForgetError(f"{name} is signed in: sign out first")
-    if name in state.get("banned", ()):
-        raise ForgetError(f"{name} is banned, which needs the name: allow it again first")
+    for state in connection.scalars(select(schema.state.c.data)):
+        if name in _names(state, "users", "queue"):
+            raise ForgetError(f"{name} is signed in: sign out first")
+        if name in state.get("banned", ()):
+            raise ForgetError(f"{name} is banned, which needs the name: allow it again first")
     changed = 0
     for table, columns in (
         (schema.fighters, ("name",)),
@@ -51,9 +53,11 @@ def forget(connection: Connection, name: str) -> str:
     return neutral
 
 
-def find_forgotten(connection: Connection, saved: Mapping[str, Any]) -> dict[str, str]:
-    """What is to be written instead of names that the game in `saved` still remembers, though they were deleted."""
-    rows = connection.execute(select(schema.forgotten).where(schema.forgotten.c.digest.is_not(None))).all()
+def find_forgotten(connection: Connection, saved: Mapping[str, Any], arena: str) -> dict[str, str]:
+    """What is to be written instead of names that the game in `saved`, the arena's, still remembers, though they were
+    deleted."""
+    pending = connection.execute(select(schema.forgotten).where(schema.forgotten.c.digest.is_not(None))).all()
+    rows = [row for row in pending if arena in (row.arenas or [""])]
     shooters = {one["by"] for one in saved.get("happened", ())}
     remembered = (_names(saved, "result", "leavers", "happened") | shooters) - _names(
         saved, "users", "queue"
@@ -62,7 +66,9 @@ def find_forgotten(connection: Connection, saved: Mapping[str, Any]) -> dict[str
     found = {by_digest[row.digest]: _neutral(row.id) for row in rows if row.digest in by_digest}
     for row in rows:
         if row.digest not in by_digest:
-            connection.execute(update(schema.forgotten).where(schema.forgotten.c.id == row.id).values(digest=None))
+            arenas = [other for other in row.arenas or () if other != arena]
+            values = {"arenas": arenas, "digest": row.digest if arenas else None}
+            connection.execute(update(schema.forgotten).where(schema.forgotten.c.id == row.id).values(values))
     return found
 
 

@@ -36,7 +36,8 @@ class EventLog:
         events = schema.events.c
         try:
             with self._database.reading() as connection:
-                rows = connection.execute(select(schema.events).order_by(events.id.desc()).limit(NEWEST)).all()
+                newest = select(schema.events).where(events.arena == self._database.arena).order_by(events.id.desc())
+                rows = connection.execute(newest.limit(NEWEST)).all()
         except AwayError:
             return  # the database has said why
         for row in reversed(rows):
@@ -69,8 +70,8 @@ class EventLog:
         events, last = schema.events.c, 0
         while True:
             with self._database.reading() as connection:
-                page = select(schema.events).where(events.id > last).order_by(events.id).limit(_PAGE)
-                rows = connection.execute(page).all()
+                own = select(schema.events).where(events.arena == self._database.arena, events.id > last)
+                rows = connection.execute(own.order_by(events.id).limit(_PAGE)).all()
             if not rows:
                 return
             for row in rows:

@@ -13,7 +13,7 @@ from sqlalchemy.exc import SQLAlchemyError
 from laser_bot_battle.names import Game
 from server.store import schema
 from server.store.course import Course
-from server.store.database import AwayError, make_engine
+from server.store.database import AwayError, last_battle, make_engine
 from server.store.fighters import read_courses
 from server.store.track import join
 
@@ -60,6 +60,7 @@ class Battle:
     cause: str | None  # of the end
     counts: bool  # False: aborted
     running: bool  # now; one that neither runs nor has ended was cut off
+    arena: str  # "" where only one uses the database
     fighters: tuple[Fighter, ...]  # best first
 
     @property
@@ -213,20 +214,23 @@ def _with_fighters(connection: Connection, rows: Sequence[Row[Any]]) -> list[Bat
             ended=row.ended,
             cause=row.cause,
             counts=row.counts,
-            running=row.id == running,
+            running=row.id in running,
+            arena=row.arena,
             fighters=tuple(fighters[row.id]),
         )
         for row in rows
     ]
 
 
-def _running(connection: Connection) -> int | None:
-    """The row of the battle that runs, if one does."""
-    state = connection.scalar(select(schema.state.c.data))
-    last = connection.execute(select(schema.battles).order_by(schema.battles.c.id.desc()).limit(1)).first()
-    if not state or not last or last.ended is not None:
-        return None
-    return last.id if (state.get("game"), state.get("battle")) == (Game.PLAYING, last.number) else None
+def _running(connection: Connection) -> set[int]:
+    """The rows of the battles that run, of each arena one at most."""
+    found = set()
+    for row in connection.execute(select(schema.state.c.arena, schema.state.c.data)).all():
+        last = last_battle(connection, row.arena)
+        now = (row.data.get("game"), row.data.get("battle"))
+        if last and last.ended is None and now == (Game.PLAYING, last.number):
+            found.add(last.id)
+    return found
 
 
 def _reader(url: URL) -> Engine:

@@ -1,4 +1,8 @@
-"""The tables of the database."""
+"""The tables of the database.
+
+Several arenas may share a database server. Battles, fighters, tracks and what is forgotten are then everybody's; the
+state, the robots' IDs and the events are each arena's own. An arena is "" where it shares nothing.
+"""
 
 from sqlalchemy import (
     JSON,
@@ -12,11 +16,17 @@ from sqlalchemy import (
     String,
     Table,
     Text,
+    UniqueConstraint,
     false,
     true,
 )
 
 metadata = MetaData()
+
+
+def _arena(is_key: bool = False) -> Column[str]:
+    return Column("arena", String(64), primary_key=is_key, nullable=False, server_default="")
+
 
 schema = Table("schema", metadata, Column("version", Integer, nullable=False))
 
@@ -25,7 +35,9 @@ robots = Table(
     "robots",
     metadata,
     Column("caller", String(255), primary_key=True),  # ROS name of its client
-    Column("robot", Integer, nullable=False, unique=True),
+    Column("robot", Integer, nullable=False),
+    _arena(is_key=True),
+    UniqueConstraint("robot", "arena"),
 )
 
 battles = Table(
@@ -40,6 +52,7 @@ battles = Table(
     Column("cause", Text),
     Column("result", JSON),  # list of Placing
     Column("counts", Boolean, nullable=False, server_default=true()),  # False: aborted, nobody has won
+    _arena(),
     Index("battles_began", "began"),
 )
 
@@ -71,6 +84,8 @@ events = Table(
     Column("battle", Integer, ForeignKey("battles.id"), index=True),  # the one that ran
     Column("kind", String(32), nullable=False),  # class in server.game.events
     Column("data", JSON, nullable=False),
+    _arena(),
+    Index("events_of_arena", "arena", "id"),
 )
 
 # where the robots were in a battle, in pieces of some seconds, see server.store.track
@@ -82,13 +97,15 @@ tracks = Table(
     Column("data", JSON, nullable=False),
 )
 
-# the newest state of the game, one row
+# the newest state of the game, one row for each arena
 state = Table(
     "state",
     metadata,
     Column("id", Integer, primary_key=True),
     Column("at", Float, nullable=False),
     Column("data", JSON, nullable=False),  # see server.game.saved
+    _arena(),
+    Index("state_of_arena", "arena", unique=True),
 )
 
 # players whose data were deleted, see server.store.forget
@@ -97,5 +114,6 @@ forgotten = Table(
     metadata,
     Column("id", Integer, primary_key=True),  # the number in the name that stands there now: "player 17"
     Column("at", Float, nullable=False),
-    Column("digest", String(64)),  # SHA-256 (hex) of the name, until the server that runs has forgotten it, too
+    Column("digest", String(64)),  # SHA-256 (hex) of the name, until the servers that run have forgotten it, too
+    Column("arenas", JSON),  # of the servers that may still remember it
 )

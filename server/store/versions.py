@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from sqlalchemy import Connection, insert, inspect, select, text
+from sqlalchemy import Connection, Table, insert, inspect, select, text
 from sqlalchemy.schema import CreateColumn
 
 from server.store import schema
@@ -19,15 +19,39 @@ def _add_fighters(connection: Connection) -> None:
         keep_fighters(connection, battle)
 
 
-def _add_shooters(connection: Connection) -> None:
-    """It is known who has shot; of older battles it is not. That is no version of its own: older programs do without
-    these columns, so that an update can be taken back."""
-    there = {column["name"] for column in inspect(connection).get_columns("fighters")}
-    fighters = schema.fighters.c
-    for column in (fighters.team, fighters.shots, fighters.given, fighters.kills):
-        if column.name not in there:
-            added = CreateColumn(column).compile(dialect=connection.dialect)
-            connection.execute(text(f"ALTER TABLE fighters ADD COLUMN {added}"))
+def _add_columns(connection: Connection) -> None:
+    """It is known who has shot, and which arena it was; of what is older it is not. That is no version of its own:
+    older programs do without these columns, so that an update can be taken back."""
+    shooters = ("team", "shots", "given", "kills")
+    arena = _add(connection, schema.events, "arena")
+    for table, names in (
+        (schema.fighters, shooters),
+        (schema.battles, ("arena",)),
+        (schema.state, ("arena",)),
+        (schema.robots, ("arena",)),
+        (schema.forgotten, ("arenas",)),
+    ):
+        _add(connection, table, *names)
+    if arena:
+        for index in (*schema.events.indexes, *schema.state.indexes):
+            index.create(connection, checkfirst=True)
+        if connection.dialect.name == "postgresql":  # a file is of one arena
+            connection.execute(
+                text(
+                    "ALTER TABLE robots DROP CONSTRAINT robots_pkey, DROP CONSTRAINT robots_robot_key, "
+                    "ADD PRIMARY KEY (caller, arena), ADD UNIQUE (robot, arena)"
+                )
+            )
+
+
+def _add(connection: Connection, table: Table, *names: str) -> bool:
+    """Add the columns of these names that are not there; returns whether there was one."""
+    there = {column["name"] for column in inspect(connection).get_columns(table.name)}
+    missing = [name for name in names if name not in there]
+    for name in missing:
+        added = CreateColumn(table.c[name]).compile(dialect=connection.dialect)
+        connection.execute(text(f"ALTER TABLE {table.name} ADD COLUMN {added}"))
+    return bool(missing)
 
 
 # what brings a database from the version of its place in the list (the first: 1) to the next one; tables that are not
@@ -43,7 +67,7 @@ class NewerError(Exception):
 def prepare(connection: Connection) -> None:
     """Make the tables, or bring those of an older version to this one."""
     schema.metadata.create_all(connection)
-    _add_shooters(connection)
+    _add_columns(connection)
     found = connection.scalar(select(schema.schema.c.version))
     if found is None:
         connection.execute(insert(schema.schema).values(version=VERSION))

@@ -183,6 +183,7 @@ def _battle_fields(battle: Battle) -> dict[str, Any]:
     return {
         "id": battle.id,
         "number": battle.number,
+        "arena": battle.arena,
         "began": battle.began,
         "seconds": battle.seconds,
         "counts": battle.counts,

@@ -20,7 +20,7 @@ def rows(url: URL, table: str) -> list[tuple[Any, ...]]:
 
 def events(url: URL) -> list[Recorded]:
     """All that was decided, in order."""
-    return [Recorded(at, from_json(kind, data)) for _, at, _, kind, data in rows(url, "events")]
+    return [Recorded(at, from_json(kind, data)) for _, at, _, kind, data, _ in rows(url, "events")]
 
 
 @contextmanager

@@ -225,7 +225,8 @@ PARAMS_GLOB = globs("LASERBOT_PARAMS_GLOB", "parameters that rosbridge's clients
 ARENA_NAME: Variable[str] = Variable(
     "LASERBOT_ARENA",
     "",
-    "name by which the master announces itself in its network, and which robots and bots join",
+    "name by which the master announces itself in its network, and which robots and bots join; arenas that share a "
+    "PostgreSQL database are told apart by it",
     _arena,
     "the master's host name; for robots and bots, the only arena that there is",
 )
