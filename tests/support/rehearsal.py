@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import os
 import subprocess
 import time
 from collections.abc import Iterator
@@ -19,6 +20,7 @@ FOLDER = ROOT / "build" / "fleet"
 INVENTORY = FOLDER / "inventory" / "hosts.yml"
 SSH = f"-i {FOLDER / 'key'} -o UserKnownHostsFile={FOLDER / 'known_hosts'}"
 ARENA = "10.217.0.2"
+PLAIN = "linear"  # Ansible's own strategy
 
 
 def docker(*arguments: str, check: bool = True) -> str:
@@ -42,8 +44,8 @@ class Rehearsal(Fleet):
         )
 
     def playbook(self, name: str, *arguments: str, check: bool = True) -> "Playbook":
-        """Runs a playbook as the operator does."""
-        return Playbook(name, *arguments).finish(check)
+        """Runs a playbook to its end, by Mitogen if that is asked for (ci/fleet)."""
+        return Playbook(name, *arguments, strategy=os.environ.get("ANSIBLE_STRATEGY", PLAIN)).finish(check)
 
     def available(self) -> int:
         """Robots that are free now; -1 while the server does not answer."""
@@ -57,9 +59,10 @@ class Rehearsal(Fleet):
 
 
 class Playbook(Program):
-    """A playbook under way."""
+    """A playbook under way, as operators run it. By Mitogen it would neither end when it is broken off nor give up a
+    host that is lost."""
 
-    def __init__(self, name: str, *arguments: str) -> None:
+    def __init__(self, name: str, *arguments: str, strategy: str = PLAIN) -> None:
         self.started = time.monotonic()
         super().__init__(
             [
@@ -69,7 +72,11 @@ class Playbook(Program):
                 f"--vault-password-file={FOLDER / 'vault-password'}",
                 *arguments,
             ],
-            {"ANSIBLE_CONFIG": str(ROOT / "ansible" / "ansible.cfg"), "ANSIBLE_NOCOLOR": "1"},
+            {
+                "ANSIBLE_CONFIG": str(ROOT / "ansible" / "ansible.cfg"),
+                "ANSIBLE_NOCOLOR": "1",
+                "ANSIBLE_STRATEGY": strategy,
+            },
         )
 
     def finish(self, check: bool = True) -> Self:

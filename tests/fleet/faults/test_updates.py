@@ -301,12 +301,11 @@ def stored(machine: Machine) -> set[str]:
 def test_an_update_that_was_broken_off_while_it_flashed_is_rolled_back(rehearsal: Rehearsal, broken: Path) -> None:
     """Its service is stopped, with the image that it had, and the Arduino holds half a program or another one."""
     first = rehearsal.robots[0]
-    [service] = first.services
     old, flashed = images([first]), first.run("cat /etc/laserbot/firmware.json")
     broken_off = Playbook("update", f"--extra-vars=fleet_images_archive={broken}")
     broken_off.wait_for("TASK [firmware : Write and verify the firmware", 400)
     broken_off.stop(signal.SIGINT, 60)
-    assert not first.container(service)["State"]["Running"]
+    assert not first.container("laserbot-robot")["State"]["Running"]
     rehearsal.playbook("rollback", f"--limit={first.name}")
     assert images([first]) == old
     assert first.run("cat /etc/laserbot/firmware.json") == flashed
