@@ -22,6 +22,7 @@ with missing_explained():
     from laser_bot_battle.master import Master, MasterError
     from laser_bot_battle.names import ADD_NEW_ROBOT, KEY_FIELD
     from laser_bot_battle.ros_environment import ros_environment
+    from laser_bot_battle.rospy_guard import guard_rospy
     from laser_bot_battle.srv import AddNewRobot
     from robot.settings import Settings
     from robot.whereabouts import locate_once
@@ -38,6 +39,7 @@ def main() -> int:
     except NoArenaError as error:
         print(error, file=sys.stderr)
         return 1
+    guard_rospy()  # also of what answers in the server's place
     try:
         os.environ.update(ros_environment(os.environ, uri))
         wait_for_server(Master(uri, settings.caller_id))

@@ -30,6 +30,7 @@ with missing_explained():
     from laser_bot_battle.log import configure_logging
     from laser_bot_battle.master import Master, MasterWatch
     from laser_bot_battle.ros_environment import ros_environment
+    from laser_bot_battle.rospy_guard import guard_rospy, guard_services
     from laser_bot_battle.settings import describe
     from robot.camera_address import tell_camera
     from robot.find_arduino import ArduinoLostError, find_arduino
@@ -112,7 +113,9 @@ def main() -> int:
 
 def serve(port: SerialPort, waker: Waker, master: Master, log_level: str) -> int:
     """Be the node until something ends it; returns the exit code."""
+    guard_rospy()
     rospy.init_node(NODE, disable_signals=True)
+    guard_services()
     configure_logging(log_level)
     rospy.on_shutdown(lambda: waker.end("another node has taken this node's name"))
     line = SerialLine(port, waker, master)

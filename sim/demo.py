@@ -86,7 +86,7 @@ class Demo:
         self.log = folder / "log"
         self.master = self.start_master()
         self.roslaunch = self.start(
-            "roslaunch",
+            "/usr/bin/roslaunch",
             "--wait",  # for the master
             "--run_id=demo",  # else it waits for another roslaunch to name the run
             str(ROOT / "sim" / "launch" / "demo.launch"),
@@ -96,11 +96,11 @@ class Demo:
             *([f"ambient:={ambient.options}"] if ambient.options else []),
         )
 
-    def start(self, program: str, *arguments: str, ros_ip: str = HOST) -> subprocess.Popen[bytes]:
-        """A program of ROS, which writes into our log. It listens on this machine only if `ros_ip` is loopback."""
+    def start(self, *words: str, ros_ip: str = HOST) -> subprocess.Popen[bytes]:
+        """A program in Python, which writes into our log. It listens on this machine only if `ros_ip` is loopback."""
         with self.log.open("ab") as log:
             return subprocess.Popen(
-                ["/usr/bin/python3", f"/usr/bin/{program}", *arguments],
+                ["/usr/bin/python3", *words],
                 env={**self.environment, "ROS_IP": ros_ip},
                 stdin=subprocess.DEVNULL,
                 stdout=log,
@@ -111,7 +111,7 @@ class Demo:
             )
 
     def start_master(self) -> subprocess.Popen[bytes]:
-        return self.start("rosmaster", "--core", "-p", str(self.ports[ROS.name]), ros_ip=self.bind)
+        return self.start("-m", "server.rosmaster", "-p", str(self.ports[ROS.name]), ros_ip=self.bind)
 
     def supervise(self) -> None:
         """Start the master again if it has ended; the nodes find it. Raises DemoError when roslaunch has ended."""

@@ -7,9 +7,9 @@ import rospy
 
 from laser_bot_battle.addresses import machine_of
 from laser_bot_battle.names import ADD_NEW_ROBOT, KEY_FIELD
+from laser_bot_battle.rospy_guard import PEER
 from laser_bot_battle.srv import AddNewRobot, AddNewRobotResponse
 from server.game.loop import GameLoop
-from server.ros.tcpros_guard import PEER
 from server.store.roster import Roster
 
 _DIGEST = re.compile("[0-9a-f]{64}")

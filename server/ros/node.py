@@ -6,19 +6,19 @@ from contextlib import contextmanager
 import rospy
 
 from laser_bot_battle.log import configure_logging
+from laser_bot_battle.rospy_guard import guard_rospy, guard_services
 from server.node import Node
-from server.ros.tcpros_guard import guard_handshakes, name_peers
 
 
 @contextmanager
 def rospy_node(node: Node) -> Iterator[None]:
     """rospy's node while the program works. OSError when it cannot be started."""
-    guard_handshakes()
+    guard_rospy()
     try:
         rospy.init_node(node.name, disable_signals=True, disable_rosout=True)
     except rospy.ROSException as error:
         raise OSError(str(error)) from error
-    name_peers()
+    guard_services()
     configure_logging(node.settings.log_level)
     rospy.on_shutdown(lambda: node.fail("ROS has shut this node down"))
     try:

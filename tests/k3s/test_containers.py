@@ -61,8 +61,7 @@ def test_the_command_is_a_program_of_the_image(started: Started) -> None:
         path = ROOT / module.replace(".", "/")
         assert path.with_suffix(".py").is_file() or (path / "__main__.py").is_file()
     else:
-        assert program in {"rosmaster", "avr_robot"}
-        assert (program == "rosmaster") == (started.image == "webserver")
+        assert (program, started.image) == ("avr_robot", "sim")
 
 
 @every_container
@@ -81,7 +80,6 @@ def usage(program: str, *arguments: str) -> str:
     here = {
         "python3": [sys.executable],
         "avr_robot": [str(ROOT / "build/sim/avr_robot")],
-        "rosmaster": ["/usr/bin/python3", "/usr/bin/rosmaster"],
     }
     words = [*here[program], *arguments, "--help"]
     environment = {**os.environ, "PYTHONPATH": f"{ROOT}/build/python"}

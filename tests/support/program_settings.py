@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
+from laser_bot_battle.names import ROS_PORT
+from laser_bot_battle.variables import LOG_LEVEL
 from robot.camera_settings import VARIABLES as CAMERA
 from robot.camera_settings import CameraSettings
 from robot.settings import Settings as RobotSettings
@@ -36,6 +38,7 @@ class Recorder(Mapping[str, str]):
 ROS = {"ROS_MASTER_URI", "ROS_IP"}  # rospy and rosmaster read these themselves
 Reader = Callable[[Mapping[str, str]], Any]
 READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
+    "server.rosmaster": (LOG_LEVEL.read, lambda _: {ROS_PORT}, ROS),
     "server.main": (WebSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.camera": (RelaySettings.from_env, lambda found: {found.node.port}, ROS),
@@ -56,10 +59,8 @@ class ProgramSettings:
     """The settings of the program that `command` starts in `environment`. ValueError: it would refuse them."""
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
-        if command[:2] != ["python3", "-m"]:  # rosmaster and avr_robot have options instead
-            self.settings = None
-            self.variables = ROS if command[0] == "rosmaster" else set()
-            self.ports = {int(command[command.index("-p") + 1])} if command[0] == "rosmaster" else set()
+        if command[:2] != ["python3", "-m"]:  # avr_robot has options instead
+            self.settings, self.variables, self.ports = None, set(), set()
             return
         reader, ports, others = READERS[command[2]]
         recorder = Recorder(environment)

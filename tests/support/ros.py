@@ -21,7 +21,7 @@ HOST = "127.0.0.1"
 
 
 class RosMaster:
-    """`rosmaster --core`; `env` is what ROS programs need in their environment to use it."""
+    """The master's own; `env` is what ROS programs need in their environment to use it."""
 
     def __init__(self, folder: Path) -> None:
         self.port = free_port()
@@ -36,8 +36,13 @@ class RosMaster:
         }
         self._program: Program | None = None
 
+    @property
+    def pid(self) -> int:
+        assert self._program
+        return self._program.process.pid
+
     def start(self) -> None:
-        self._program = Program([sys.executable, "/usr/bin/rosmaster", "--core", "-p", str(self.port)], self.env)
+        self._program = Program([sys.executable, "-m", "server.rosmaster", "-p", str(self.port)], self.env)
         until(lambda: listening(self.port), 10, "the ROS master")
 
     def stop(self) -> None:

@@ -10,7 +10,17 @@ from laser_bot_battle.token_bucket import TokenBuckets
 
 MAX_LINE = 4000  # characters of a message
 # the loggers that speak of what strangers send, and how many lines each has
-_STRANGERS = ("server.web.", "waitress.", "rospy.", "rosgraph.", "rosout.", "robot.parameters.")
+_STRANGERS = (
+    "server.web.",
+    "waitress.",
+    "asyncio.",  # out of descriptors, it says so 128 times a second, each time with a traceback
+    "rospy.",
+    "rosgraph.",
+    "rosmaster.",
+    "rosout.",
+    "xmlrpc.",
+    "robot.parameters.",
+)
 BURST = 20
 PERIOD = 1.0  # s for each further line
 
@@ -27,7 +37,7 @@ def configure_logging(level: str) -> None:
     handler.setFormatter(_Visible("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
     logging.getLogger("rosout").handlers.clear()
-    for noisy in ("rospy", "rosgraph", "rosout", "waitress.queue"):
+    for noisy in ("rospy", "rosgraph", "rosmaster", "rosout", "xmlrpc", "waitress.queue"):
         logging.getLogger(noisy).setLevel(logging.WARNING)
 
 
@@ -70,6 +80,7 @@ class _Budget(logging.Filter):
         unsaid = self._unsaid.pop(logger, 0)
         if unsaid:
             record.msg, record.args = f"{record.getMessage()} (and {unsaid:,} more like this)", ()
+            record.exc_info = None  # those before have told it
         return True
 
 
@@ -83,7 +94,7 @@ def _name_program(record: logging.LogRecord) -> bool:
 
 def _shorten_ros(record: logging.LogRecord) -> bool:
     """rospy logs the whole traceback of a lost connection, which is common here: keep its first and last line."""
-    if record.name.startswith("ros"):
+    if record.name.startswith(("ros", "xmlrpc")):
         lines = record.getMessage().splitlines()
         if len(lines) > 1:
             record.msg = f"{lines[0].removesuffix('Traceback (most recent call last):')} {lines[-1]}"

@@ -58,10 +58,10 @@ async def registered(node: Node, kind: int, name: str, there: bool = True, by: s
 class RospyPeer:
     """The process of rospy_peer.py."""
 
-    def __init__(self, name: str, environment: Mapping[str, str]) -> None:
+    def __init__(self, name: str, environment: Mapping[str, str], *options: str) -> None:
         self.name = f"/{name}"
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "tests.integration.tcpros.rospy_peer", name],
+            [sys.executable, "-m", "tests.integration.tcpros.rospy_peer", name, *options],
             env={**os.environ, **environment}, cwd=ROOT, text=True, bufsize=1,
             stdin=subprocess.PIPE, stdout=subprocess.PIPE,
         )  # fmt: skip
@@ -73,6 +73,10 @@ class RospyPeer:
         except AssertionError:
             self.kill()
             raise
+
+    @property
+    def pid(self) -> int:
+        return self._process.pid
 
     def do(self, command: str, *arguments: Any) -> None:
         assert self._process.stdin

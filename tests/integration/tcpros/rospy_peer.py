@@ -1,7 +1,7 @@
 """A rospy node, the other side of ours, driven by JSON lines.
 
 stdin: [command, arguments...]; stdout: [what, values...]. Strings of more than 100 characters are told by their
-length.
+length. With --guarded it is guarded as our own programs are.
 """
 
 import json
@@ -14,6 +14,7 @@ import rospy
 from roscpp.srv import SetLoggerLevel  # type: ignore[import-untyped]
 from std_msgs.msg import Int8, String
 
+from laser_bot_battle.rospy_guard import guard_rospy, guard_services
 from laser_bot_battle.srv import AddNewRobot
 
 
@@ -81,7 +82,11 @@ class Peer:
 
 
 def main() -> None:
+    if is_guarded := "--guarded" in sys.argv:
+        guard_rospy()
     rospy.init_node(sys.argv[1], disable_signals=True)
+    if is_guarded:
+        guard_services()
     peer = Peer()
     peer.say("ready")
     for line in sys.stdin:

@@ -70,7 +70,7 @@ def test_a_long_text_is_cut(capsys):
     assert len(capsys.readouterr().err) < 5000
 
 
-@pytest.mark.parametrize("logger", ["server.web.api", "waitress", "rosout"])
+@pytest.mark.parametrize("logger", ["server.web.api", "waitress", "rosout", "xmlrpc", "rosmaster.master", "asyncio"])
 def test_strangers_have_a_budget_of_lines_and_what_is_left_out_is_counted(capsys, monkeypatch, logger):
     configure_logging("info")
     now = [100.0]
@@ -84,3 +84,18 @@ def test_strangers_have_a_budget_of_lines_and_what_is_left_out_is_counted(capsys
     logging.getLogger(logger).warning("refused")
     lines = capsys.readouterr().err.splitlines()
     assert [line.rpartition(": ")[2] for line in lines] == ["others speak", "refused (and 1,234 more like this)"]
+
+
+def test_what_fails_again_and_again_is_told_without_its_traceback(capsys, monkeypatch):
+    configure_logging("info")
+    now = [100.0]
+    monkeypatch.setattr("laser_bot_battle.log.time.monotonic", lambda: now[0])
+    for _ in range(9_000):
+        now[0] += 1 / 128
+        try:
+            raise OSError(24, "Too many open files")
+        except OSError:
+            logging.getLogger("asyncio").exception("socket.accept() out of system resource")
+    told = capsys.readouterr().err
+    assert told.count("Traceback") <= 21
+    assert len(told) < 9_000 / 128 * 150 + 20_000, "bytes: 150 a second, and the first ones whole"

@@ -1,0 +1,55 @@
+"""The XML-RPC server of the ROS master and of each rospy node, with limits.
+
+rosgraph's own has a thread for each connection, which waits for ever for what the caller has promised, and keeps all of
+it.
+"""
+
+import re
+import socket
+from typing import Any
+
+from rosgraph import xmlrpc
+
+from laser_bot_battle.tcp_places import Places
+
+PATIENCE = 5.0  # s for a request, or until the next one of a connection: who asks then connects anew
+MAX_REQUEST = 4 * 2**20  # bytes
+MAX_CONNECTIONS = 300
+MAX_OF_ONE_MACHINE = 60
+
+
+def guard_xmlrpc() -> None:
+    """Call it once, before the ROS master or `init_node` starts its server."""
+    xmlrpc.SilenceableXMLRPCRequestHandler = _Handler
+    xmlrpc.ThreadingXMLRPCServer = _Server
+
+
+class _Handler(xmlrpc.SilenceableXMLRPCRequestHandler):  # type: ignore[misc]
+    """Answers the requests of one connection, in a thread."""
+
+    server_version, sys_version = "ROS", ""  # no versions for strangers
+
+    def handle_one_request(self) -> None:
+        self.server.places.renew(self.request)
+        super().handle_one_request()
+
+    def do_POST(self) -> None:  # noqa: N802 - http.server's name
+        length = self.headers.get("Content-Length", "")
+        if re.fullmatch("[0-9]{1,9}", length) and int(length) <= MAX_REQUEST:
+            super().do_POST()
+        else:
+            self.close_connection = True
+            self.send_error(413)
+
+
+class _Server(xmlrpc.ThreadingXMLRPCServer):  # type: ignore[misc]
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        self.places = Places(MAX_CONNECTIONS, PATIENCE, MAX_OF_ONE_MACHINE)
+        super().__init__(*arguments, **options)
+
+    def verify_request(self, request: socket.socket, client_address: tuple[Any, ...]) -> bool:
+        return self.places.take(request, client_address[0])
+
+    def service_actions(self) -> None:
+        """Called by `serve_forever` after each connection, and twice a second."""
+        self.places.cut_overdue()
