@@ -7,7 +7,7 @@ Needs no ROS. Exit code 0 if a robot could join one of them, else 1.
 
 import argparse
 import asyncio
-import contextlib
+import re
 import signal
 import sys
 import time
@@ -45,9 +45,8 @@ def main() -> int:
 
 
 def seconds(text: str) -> float:
-    with contextlib.suppress(ValueError):
-        if 0 < float(text) <= LONGEST:
-            return float(text)
+    if re.fullmatch(r"[0-9]{1,4}(\.[0-9]{1,3})?", text) and 0 < float(text) <= LONGEST:
+        return float(text)
     raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds up to {LONGEST:g}")
 
 

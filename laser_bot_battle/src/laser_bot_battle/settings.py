@@ -47,13 +47,9 @@ def whole(name: str, default: int, lowest: int, highest: int, text: str) -> Vari
 
 def number(name: str, default: float, lowest: float, highest: float, text: str) -> Variable[float]:
     def parse(given: str) -> float:
-        try:
-            value = float(given)
-        except ValueError:
-            value = float("nan")
-        if not lowest <= value <= highest:
+        if not (re.fullmatch(r"[0-9]{1,9}(\.[0-9]{1,9})?", given) and lowest <= float(given) <= highest):
             raise ValueError(f"must be a number from {lowest:g} to {highest:g}")
-        return value
+        return float(given)
 
     return Variable(name, default, text, parse, f"{default:g}", lowest=lowest, highest=highest)
 

@@ -103,7 +103,8 @@ def _arena(text: str) -> str:
 
 
 def _master_uri(text: str) -> str:
-    if not re.fullmatch(r"http://[^/:]+:[0-9]+/?", text):
+    match = re.fullmatch(r"http://[^/:]+:([0-9]{1,5})/?", text)
+    if not match or not 0 < int(match[1]) < 2**16:
         raise ValueError("must be http://host:port")
     return text
 

@@ -48,11 +48,14 @@ def test_a_value_is_read(name: str, text: str, value: object) -> None:
 @pytest.mark.parametrize(
     ("name", "text", "allowed"),
     [
-        *[("LASERBOT_WEB_PORT", text, "a whole number from 1 to 65535") for text in ("x", "0", "65536", "80.5", "٣")],
+        *[
+            ("LASERBOT_WEB_PORT", text, "a whole number from 1 to 65535")
+            for text in ("x", "0", "65536", "80.5", "٣", "5_000")
+        ],
         ("LASERBOT_ROSBRIDGE_PORT", "-1", "a whole number from 1 to 65535"),
         ("LASERBOT_VIEW_PORT", "0", "a whole number from 1 to 65535"),
         *[("LASERBOT_HIT_DAMAGE", text, "a whole number from 1 to 100") for text in ("0", "101", "2.5")],
-        *[("LASERBOT_COUNTDOWN", text, "a number from 0.1 to 3600") for text in ("nan", "inf", "soon")],
+        *[("LASERBOT_COUNTDOWN", text, "a number from 0.1 to 3600") for text in ("nan", "inf", "soon", "٣", "1_0")],
         ("LASERBOT_BATTLE_LIMIT", "-5", "a number from 1 to 86400"),
         ("LASERBOT_RETRY", "-1", "a number from 0.1 to 3600"),
         *[("LASERBOT_LED", text, "a GPIO from 0 to 27, or none") for text in ("28", "GPIO18", "²")],
@@ -60,7 +63,10 @@ def test_a_value_is_read(name: str, text: str, value: object) -> None:
             ("LASERBOT_LOG_LEVEL", text, "one of debug, info, warning, error")
             for text in ("loud", "critical", "notset")
         ],
-        *[("ROS_MASTER_URI", text, "http://host:port") for text in ("master", "http://master", "http://master:port")],
+        *[
+            ("ROS_MASTER_URI", text, "http://host:port")
+            for text in ("master", "http://master", "http://master:port", "http://m:0", "http://m:70000", "http://m:٣")
+        ],
     ],
 )
 def test_an_impossible_value_is_named_with_what_is_allowed(name: str, text: str, allowed: str) -> None:
