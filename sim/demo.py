@@ -114,11 +114,13 @@ class Demo:
         return self.start("-m", "server.rosmaster", "-p", str(self.ports[ROS.name]), ros_ip=self.bind)
 
     def supervise(self) -> None:
-        """Start the master again if it has ended; the nodes find it. Raises DemoError when roslaunch has ended."""
-        if self.roslaunch.poll() is not None:
+        """Start the master again if it was ended; the nodes find it. Raises DemoError when roslaunch has ended, or the
+        master cannot work."""
+        code = self.master.poll()
+        if self.roslaunch.poll() is not None or (code or 0) > 0:
             tail = self.log.read_text(errors="replace").splitlines()[-15:]
             raise DemoError("\n  ".join([f"the demo has ended by itself. The end of {self.log}:", *tail]))
-        if self.master.poll() is not None:
+        if code is not None:
             say("The ROS master has ended: starting it again.")
             self.master = self.start_master()
 
