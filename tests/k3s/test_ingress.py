@@ -1,6 +1,7 @@
 """components/ingress: Traefik has the same paths as the front, and the programs believe it."""
 
 import re
+from typing import Any
 
 import kubernetes_validate
 import pytest
@@ -78,10 +79,10 @@ def test_the_programs_believe_traefik_and_know_the_real_name(customize: Customiz
     pod = manifests.one("Deployment", "master")["spec"]["template"]["spec"]
     kubelet = Kubelet(manifests, pod, {"status.podIP": "10.42.0.7"}, {})
     for container in pod["containers"]:
-        read = ProgramSettings(kubelet.command(container), kubelet.environment(container))
+        settings: Any = ProgramSettings(kubelet.command(container), kubelet.environment(container)).settings
         if container["name"] != "ros-master":
-            assert is_proxy("10.42.3.4", read.settings.proxies)
-            assert container["name"] == "web" or read.settings.origins == ("https://arena.example",)
+            assert is_proxy("10.42.3.4", settings.proxies)
+            assert container["name"] == "web" or settings.origins == ("https://arena.example",)
 
 
 def test_all_but_traefiks_own_fits_the_schemas(manifests: Manifests) -> None:

@@ -7,6 +7,7 @@ import socket
 import struct
 import xmlrpc.client
 from collections.abc import Iterator
+from typing import Any
 from urllib.parse import urlsplit
 
 import psutil
@@ -30,16 +31,20 @@ def guarded(ros_master: RosMaster) -> Iterator[RospyPeer]:
     peer.close()
 
 
+def ask(where: tuple[str, int], method: str, *arguments: Any) -> Any:
+    """What the ROS master or a node answers."""
+    with xmlrpc.client.ServerProxy("http://{}:{}".format(*where)) as proxy:
+        answer: Any = getattr(proxy, method)("/test", *arguments)
+    return answer[2]
+
+
 def slave(master: RosMaster, node: str) -> tuple[str, int]:
-    with xmlrpc.client.ServerProxy(master.uri) as proxy:
-        url = urlsplit(proxy.lookupNode("/test", node)[2])
+    url = urlsplit(ask(("127.0.0.1", master.port), "lookupNode", node))
     return str(url.hostname), int(url.port or 0)
 
 
 def tcpros(master: RosMaster, node: str, topic: str) -> tuple[str, int]:
-    host, port = slave(master, node)
-    with xmlrpc.client.ServerProxy(f"http://{host}:{port}") as proxy:
-        _, address, number = proxy.requestTopic("/test", topic, [["TCPROS"]])[2]
+    _, address, number = ask(slave(master, node), "requestTopic", topic, [["TCPROS"]])
     return str(address), int(number)
 
 
@@ -72,8 +77,7 @@ def test_stalled_calls_hold_no_thread_and_nobody_up(program: str, ros_master: Ro
         stalled = [stack.enter_context(socket.create_connection(where)) for _ in range(200)]
         for peer in stalled:
             peer.sendall(STALLED)
-        with xmlrpc.client.ServerProxy("http://{}:{}".format(*where)) as proxy:
-            assert proxy.getPid("/test")[2] == pid
+        assert ask(where, "getPid") == pid
         until(lambda: threads_of(pid) <= before + 2, 15, "the threads are free again")
 
 
