@@ -5,7 +5,7 @@ import json
 import os
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Self
 
 import requests
@@ -20,7 +20,7 @@ FOLDER = ROOT / "build" / "fleet"
 INVENTORY = FOLDER / "inventory" / "hosts.yml"
 SSH = f"-i {FOLDER / 'key'} -o UserKnownHostsFile={FOLDER / 'known_hosts'}"
 ARENA = "10.217.0.2"
-PLAIN = "linear"  # Ansible's own strategy
+PLAIN = {"ANSIBLE_STRATEGY": "linear", "ANSIBLE_TIMEOUT": "10"}  # Ansible's own
 
 
 def docker(*arguments: str, check: bool = True) -> str:
@@ -45,7 +45,8 @@ class Rehearsal(Fleet):
 
     def playbook(self, name: str, *arguments: str, check: bool = True) -> "Playbook":
         """Runs a playbook to its end, by Mitogen if that is asked for (ci/fleet)."""
-        return Playbook(name, *arguments, strategy=os.environ.get("ANSIBLE_STRATEGY", PLAIN)).finish(check)
+        manner = {setting: os.environ.get(setting, own) for setting, own in PLAIN.items()}
+        return Playbook(name, *arguments, manner=manner).finish(check)
 
     def available(self) -> int:
         """Robots that are free now; -1 while the server does not answer."""
@@ -62,7 +63,7 @@ class Playbook(Program):
     """A playbook under way, as operators run it. By Mitogen it would neither end when it is broken off nor give up a
     host that is lost."""
 
-    def __init__(self, name: str, *arguments: str, strategy: str = PLAIN) -> None:
+    def __init__(self, name: str, *arguments: str, manner: Mapping[str, str] = PLAIN) -> None:
         self.started = time.monotonic()
         super().__init__(
             [
@@ -75,7 +76,7 @@ class Playbook(Program):
             {
                 "ANSIBLE_CONFIG": str(ROOT / "ansible" / "ansible.cfg"),
                 "ANSIBLE_NOCOLOR": "1",
-                "ANSIBLE_STRATEGY": strategy,
+                **manner,
             },
         )
 
