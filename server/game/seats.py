@@ -1,11 +1,12 @@
 """Who gets a robot, and for how long, when there are more people than robots: pure rules over the state.
 
 A robot that nobody has is offered to whoever has waited longest. While somebody waits, a seat is not for ever: who is
-not ready for a while loses it, and so does, between battles, who has played some in a row. Both then wait behind the
-others. An address that has a robot gets another one only when nobody from elsewhere waits.
+not ready for a while loses it to who has waited as long, and so does, between battles, who has played some in a row.
+Both then wait behind the others. An address that has a robot gets another one only when nobody from elsewhere waits.
 """
 
 from collections.abc import Iterator
+from operator import attrgetter
 
 from laser_bot_battle.names import Game
 from server.game import events
@@ -54,25 +55,31 @@ def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left |
         yield user.seen + _patience(user, state, rules), events.Left(user.name, "left the page")
         if user.robot_gone_at is not None:
             yield user.robot_gone_at + rules.robot_return, events.Left(user.name, "lost the robot")
-        ends = seat_ends(user, state, rules)
-        if ends is not None:
-            how = f"was not ready for {rules.idle:g} s while others waited"
-            yield ends, events.Unseated(user.name, how)
-    one_of_several = _one_of_several(state)
+    for name, ends in seat_ends(state, rules).items():
+        yield ends, events.Unseated(name, f"was not ready for {rules.idle:g} s while others waited")
+    strangers = _strangers(state)
+    one_of_several = _one_of_several(state) if strangers else None
     if one_of_several is not None:
         how = "has one of several robots at one address, and others wait"
-        yield state.queue_since + rules.idle, events.Unseated(one_of_several.name, how)
+        yield min(strangers) + rules.idle, events.Unseated(one_of_several.name, how)
     for waiting in state.queue:
         yield waiting.seen + rules.seat_timeout, events.Left(waiting.name, "left the page")
         if waiting.offer is not None:
             yield waiting.offer_ends, events.Left(waiting.name, "did not take the robot in time")
 
 
-def seat_ends(user: User, state: State, rules: Rules) -> float | None:
-    """When the player loses the seat if nothing changes; None: not at all."""
-    if user.ready or state.game is Game.PLAYING or not state.queue:
-        return None
-    return max(user.idle_since, state.queue_since) + rules.idle
+def seat_ends(state: State, rules: Rules) -> dict[str, float]:
+    """Which players lose their seats if nothing changes, and when: for each who waits without an offer, one who is not
+    ready, the longest idle first, and of equal ones the last in the ranking."""
+    if state.game is Game.PLAYING:
+        return {}
+    waiting = sorted(one.since for one in state.queue if one.offer is None)
+    if not waiting:
+        return {}
+    idle = [user for user in reversed([*state.users]) if not user.ready]
+    idle.sort(key=attrgetter("idle_since"))
+    pairs = zip(waiting, idle, strict=False)
+    return {user.name: max(since, user.idle_since) + rules.idle for since, user in pairs}
 
 
 def estimate(place: int, state: State, rules: Rules) -> float:
@@ -91,12 +98,14 @@ def _served(state: State) -> set[str]:
     return served - {""}
 
 
-def _one_of_several(state: State) -> User | None:
-    """A player of an address that has several robots, while somebody waits whose address has none. Whoever fights is
-    left alone."""
+def _strangers(state: State) -> list[float]:
+    """Since when those wait whose address has no robot."""
     served = _served(state)
-    if not any(waiting.offer is None and waiting.address not in served for waiting in state.queue):
-        return None
+    return [one.since for one in state.queue if one.offer is None and one.address not in served]
+
+
+def _one_of_several(state: State) -> User | None:
+    """A player of an address that has several robots. Whoever fights is left alone."""
     seated = [user.address for user in state.users]
     several = [
         user

@@ -37,7 +37,7 @@ def person(known: User | Waiting, state: State, rules: Rules, now: float) -> Pla
 
 
 def player(user: User, state: State, rules: Rules, now: float) -> Player:
-    ends = seats.seat_ends(user, state, rules)
+    ends = seats.seat_ends(state, rules).get(user.name)
     seat_left = 0.0 if ends is None else max(0.1, ends - now)
     wish = user.wish if user.wish <= rules.teams else 0
     return Player(

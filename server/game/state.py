@@ -28,7 +28,6 @@ class State:
     battle: int = 0
     notice: str = ""
     queue: list[Waiting] = field(default_factory=list)  # for a robot, the next one first
-    queue_since: float = 0.0  # since when somebody has been waiting
     leavers: list[User] = field(default_factory=list)  # who was in the running battle and has gone
     result: tuple[Placing, ...] = ()
     teams: int = 0  # of the running or the last battle; 0: everybody fights alone
@@ -57,7 +56,7 @@ class State:
             case events.SignedUp(name, robot, session, avatar, address):
                 self._seat(User(name, robot, session, avatar, seen=at, idle_since=at, address=address))
             case events.Queued(name, session, avatar, address):
-                self._queue(Waiting(name, session, avatar, seen=at, address=address), at)
+                self._queue(Waiting(name, session, avatar, seen=at, since=at, address=address))
             case events.Offered(name, robot, seconds):
                 self._offer(self.waiting(name), robot, at + seconds)
             case events.Seated(name):
@@ -70,11 +69,12 @@ class State:
                     user.session,
                     user.avatar,
                     seen=user.seen,
+                    since=at,
                     first=event.first,
                     passed_on=True,
                     address=user.address,
                 )
-                self._queue(waiting, at)
+                self._queue(waiting)
             case events.Left(name):
                 self._remove(name, at)
             case _:
@@ -194,9 +194,7 @@ class State:
         self.users.add_user(user)
         self._give(user.robot, user.name)
 
-    def _queue(self, waiting: Waiting, at: float) -> None:
-        if not self.queue:
-            self.queue_since = at
+    def _queue(self, waiting: Waiting) -> None:
         firsts = sum(other.first for other in self.queue)
         self.queue.insert(firsts if waiting.first else len(self.queue), waiting)
 
@@ -258,7 +256,7 @@ class State:
         if ready:
             user.ready_since = at
         else:  # time of being ready does not count, and a short one does not wipe out what was before
-            idle_from = max(user.idle_since, self.queue_since) if self.queue else user.idle_since
+            idle_from = max(user.idle_since, min((one.since for one in self.queue), default=user.idle_since))
             user.idle_since = idle_from + at - max(user.ready_since, idle_from)
         if ready and self.game is Game.COUNTDOWN:
             user.revive()
@@ -315,4 +313,5 @@ class State:
                 user.robot_gone_at += seconds
         for waiting in self.queue:
             waiting.seen += seconds
+            waiting.since += seconds
             waiting.offer_ends += seconds

@@ -116,6 +116,7 @@ class Waiting:
     session: str
     avatar: int
     seen: float  # last sign of life of the page
+    since: float
     offer: int | None = None  # the robot that is kept for this one
     offer_ends: float = 0.0
     passed_on: bool = False  # has given up a seat since the last battle: for this one nobody else does

@@ -73,7 +73,7 @@ class Inbound:
         if isinstance(wanted, Publisher) and self._publishers.get(wanted.topic) is wanted:
             wanted.add(connected, header)
         elif isinstance(wanted, Service) and header.get("probe") != "1":
-            await wanted.attend(connected, header)
+            await wanted.accept(connected, header)
         else:
             connected.close()
 

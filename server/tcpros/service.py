@@ -31,7 +31,7 @@ class Service:
         """What a caller is told."""
         return {"callerid": callerid, "md5sum": self.spec.md5sum, "service": self.name, "type": self.spec.name}
 
-    async def attend(self, connected: socket.socket, header: Mapping[str, str]) -> None:
+    async def accept(self, connected: socket.socket, header: Mapping[str, str]) -> None:
         """Answer a caller that has said its header and heard ours. Takes the socket over."""
         task = asyncio.current_task()
         assert task
@@ -39,7 +39,7 @@ class Service:
         try:
             reader, writer = await sockets.streams(connected)
             try:
-                await self._attend(reader, writer, header.get("persistent", "").lower() in ("1", "true"))
+                await self._answer_calls(reader, writer, header.get("persistent", "").lower() in ("1", "true"))
             finally:
                 writer.transport.abort()
         except (OSError, EOFError) as error:
@@ -47,7 +47,7 @@ class Service:
         finally:
             self._callers.discard(task)
 
-    async def _attend(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, persistent: bool) -> None:
+    async def _answer_calls(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, persistent: bool) -> None:
         writer.transport.set_write_buffer_limits(0)  # drain waits until all is sent
         while True:
             async with asyncio.timeout(None if persistent else TRANSFER):

@@ -82,3 +82,7 @@ def test_there_is_one_version() -> None:
     assert set(re.findall(r"LASERBOT_VERSION:-([^}]+)}", COMPOSE)) == {version()}
     assert json.loads((ROOT / "package.json").read_text())["version"] == version()
     assert json.loads((ROOT / "package-lock.json").read_text())["version"] == version()
+
+
+def test_it_is_short():
+    assert len(README.split()) <= 900

@@ -145,7 +145,7 @@ class Connection(asyncio.BufferedProtocol):
             self._heard, self._ping_at = False, now + interval
             self._transport.write(_PING)
 
-    def excuse(self, seconds: float) -> None:
+    def extend_deadlines(self, seconds: float) -> None:
         """The loop stood still for so long, and the client may have done all that it should."""
         self._ping_at += seconds
         self._moved += seconds

@@ -36,7 +36,7 @@ class Connection(Protocol):
     def check(self, now: float) -> None:
         """To be called twice a second: is it alive, and does it read?"""
 
-    def excuse(self, seconds: float) -> None:
+    def extend_deadlines(self, seconds: float) -> None:
         """The loop stood still for so long."""
 
     def close(self, code: int, reason: str = "") -> None:

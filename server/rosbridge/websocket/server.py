@@ -90,7 +90,7 @@ class WebSocketServer:
         self._timer = self._house.loop.call_at(self._next_tick, self._tick)
         for connection in list(self._house.connections):
             if late > LATE:
-                connection.excuse(late)
+                connection.extend_deadlines(late)
             connection.check(now)
         for opening, began in list(self._house.openings.items()):
             if now - began > OPEN_TIMEOUT:

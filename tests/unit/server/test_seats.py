@@ -113,6 +113,28 @@ def test_who_is_not_ready_while_others_wait_is_warned_and_loses_the_seat(two):
     assert queue(two) == [("cy", 1), ("dee", None), ("bob", None)]
 
 
+def test_one_who_waits_takes_one_seat_and_that_player_waits_as_long_for_the_next(new_match):
+    match = new_match(robots=3)
+    join(match, "ada", "bob", "eve", "cy")
+    pass_time(match, 60.1)
+    assert match.names == ["ada", "bob"]
+    assert queue(match) == [("cy", 2), ("eve", None)]
+    take(match, "cy")
+    pass_time(match, 59)
+    assert queue(match) == [("eve", None)]
+    pass_time(match, 2)
+    assert queue(match) == [("eve", 1), ("bob", None)]
+
+
+def test_nobody_loses_the_seat_to_those_who_have_an_offer(new_match):
+    match = new_match(robots=4)
+    join(match, "ada", "bob")
+    for number in range(5):
+        join(match, f"late{number}")
+        pass_time(match, 19)  # before the offer of another
+    assert "ada" in match.names
+
+
 def test_nobody_loses_the_seat_while_nobody_waits(new_match):
     match = new_match(robots=1)
     join(match, "ada")
@@ -261,31 +283,46 @@ def test_a_name_in_other_letters_is_the_same_player(two):
     assert two.referee.set_ready("cy", True, two.session("cy"), two.now) is Verdict.UNKNOWN_USER, "who waits"
 
 
-def test_time_of_being_ready_is_not_idle(two):
-    """cy waits from the beginning; idle for 20 s, then ready for 50 s."""
-    pass_time(two, 20)
-    two.ready("ada")
-    pass_time(two, 50)
-    assert two.names == ["ada"], "bob was idle for 60 s"
-    two.ready("ada", ready=False)
-    pass_time(two, 39)
-    assert "ada" in two.names
-    pass_time(two, 2)
-    assert "ada" not in two.names
+def test_time_of_being_ready_is_not_idle(new_match):
+    """cy waits from the beginning; ada is idle for 20 s, then ready for 50 s."""
+    match = new_match(robots=1)
+    join(match, "ada", "cy")
+    pass_time(match, 20)
+    match.ready("ada")
+    pass_time(match, 50)
+    match.ready("ada", ready=False)
+    pass_time(match, 39)
+    assert match.names == ["ada"]
+    pass_time(match, 2)
+    assert match.names == []
 
 
 def test_a_deadline_that_comes_up_late_is_of_now(new_match):
-    """The queue is old when somebody from elsewhere joins it."""
+    """Somebody from elsewhere has waited for long when two of one address have ended their battle."""
     match = new_match(robots=2)
     for name in ("ada", "adam"):
         match.referee.sign_up(name, match.session(name), 0, match.now, address="10.0.0.1")
-    wait_from(match, "addy", "10.0.0.1")
-    for _ in range(10):
-        match.ready("ada", "adam")
-        pass_time(match, 10)
-        match.ready("ada", "adam", ready=False)
+    match.ready("ada", "adam")
+    pass_time(match, 15)
     wait_from(match, "bob", "10.0.0.2")
+    pass_time(match, 100)
+    match.hit("adam", 10)
     match.wait(0.4)
     assert ("bob", 1) in queue(match)
     times = [one.at for one in match.referee.take_journal()]
     assert times == sorted(times)
+
+
+def test_a_pause_of_the_program_is_no_time_of_waiting(new_match):
+    match = new_match(robots=2)
+    join(match, "ada", "bob")
+    match.ready("ada")
+    pass_time(match, 30)
+    join(match, "cy")
+    pass_time(match, 30)
+    match.now += 20
+    match.referee.extend_deadlines(20, match.now)
+    pass_time(match, 29)
+    assert match.names == ["ada", "bob"]
+    pass_time(match, 2)
+    assert match.names == ["ada"]
