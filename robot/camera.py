@@ -25,7 +25,7 @@ from laser_bot_battle.names import RELAY_NODE
 from laser_bot_battle.place import locate
 from laser_bot_battle.settings import describe, read_or_exit
 from robot.camera_door import Door
-from robot.camera_settings import VARIABLES, CameraSettings
+from robot.camera_settings import LIBCAMERA, VARIABLES, CameraSettings, find_libcamera
 
 _log = logging.getLogger(__name__)
 
@@ -103,6 +103,9 @@ def main() -> int:
     configure_logging(read_or_exit(PROGRAM, variables.LOG_LEVEL.read))
     if not shutil.which("ustreamer"):
         _log.error("ustreamer is not installed: apt-get install ustreamer")
+        return 1
+    if settings.device == LIBCAMERA and not find_libcamera():
+        _log.error("libcamera is not installed for V4L2: apt-get install libcamera-v4l2 libcamera-ipa")
         return 1
     return asyncio.run(run(settings, dict(os.environ)))
 

@@ -24,6 +24,12 @@ LIBCAMERA = "libcamera"
 NO_CAMERA = Path(__file__).parent / "no_camera.jpg"
 
 
+def find_libcamera(root: Path = Path("/")) -> Path | None:
+    """The library by which programs that know V4L2 only open libcamera's cameras: Debian's package libcamera-v4l2."""
+    places = ("usr/libexec/*/libcamera/v4l2-compat.so", "usr/lib/*/v4l2-compat.so")  # of Debian 13 and 12
+    return next((path for place in places for path in root.glob(place)), None)
+
+
 @dataclass(frozen=True)
 class CameraSettings:
     """What the camera is and what its pictures are like."""
@@ -60,7 +66,7 @@ class CameraSettings:
             "--device-timeout=3",  # s; a camera that is frozen is opened anew
             "--exit-on-parent-death",
         ]
-        if self.device == LIBCAMERA:
-            return ["libcamerify", *words, "--device=/dev/video0"]
+        if self.device == LIBCAMERA:  # as its libcamerify does, whose package brings all of Qt
+            return ["env", f"LD_PRELOAD={find_libcamera()}", *words, "--device=/dev/video0"]
         # the JPEGs of the camera's own hardware; of one that has none, the processor makes them
         return [*words, f"--device={self.device}", "--format=MJPEG", "--encoder=HW"]

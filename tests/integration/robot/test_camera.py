@@ -12,7 +12,7 @@ import pytest
 import requests
 
 from laser_bot_battle.master import Master
-from robot.camera_settings import NO_CAMERA
+from robot.camera_settings import NO_CAMERA, find_libcamera
 from tests.integration.robot.device import Device
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -99,6 +99,24 @@ def test_settings_reach_ustreamer() -> None:
         (line,) = [line for line in program.output.splitlines() if line.startswith("ARGUMENTS")]
         wanted = {"--device=/dev/video7", "--resolution=320x240", "--desired-fps=30", "--quality=50", "--format=MJPEG"}
         assert wanted <= set(line.split())
+
+
+@pytest.mark.parametrize("place", ["usr/libexec/aarch64-linux-gnu/libcamera", "usr/lib/arm-linux-gnueabihf"])
+def test_the_raspberry_pis_own_camera_goes_through_libcamera(place: str, tmp_path: Path) -> None:
+    assert find_libcamera(tmp_path) is None
+    library = tmp_path / place / "v4l2-compat.so"
+    library.parent.mkdir(parents=True)
+    library.touch()
+    assert find_libcamera(tmp_path) == library
+
+
+def test_a_missing_library_is_named() -> None:
+    port = str(free_port())
+    program = Program.python("robot.camera", env={"LASERBOT_CAMERA": "libcamera", "LASERBOT_CAMERA_PORT": port})
+    try:
+        program.wait_for(f"at port {port}" if find_libcamera() else "apt-get install libcamera-v4l2 libcamera-ipa")
+    finally:
+        program.kill()
 
 
 @pytest.mark.usefixtures("stand_in")
