@@ -232,14 +232,17 @@ def test_a_thumb_whose_control_goes_away_lets_go(page: Page, thumbs: Thumbs) -> 
 
 
 def test_in_battle_the_page_holds_still(page: Page, thumbs: Thumbs) -> None:
-    def swipe_and_pinch() -> tuple[float, float]:
-        """How far the page has scrolled, and how much it is zoomed, after both."""
+    def swipe() -> float:
+        """How far the page has scrolled then."""
         page.evaluate("scrollTo(0, 0)")
         thumbs.put(1, 400, 200)
         for step in range(1, 9):
             thumbs.move(1, 400, 200 - 15 * step)
         thumbs.lift(1)
-        scrolled = page.evaluate("scrollY")
+        return float(page.evaluate("scrollY"))
+
+    def pinch() -> float:
+        """How much it is zoomed then."""
         thumbs.put(1, 380, 150)
         thumbs.put(2, 460, 150)
         for step in range(1, 9):
@@ -247,7 +250,7 @@ def test_in_battle_the_page_holds_still(page: Page, thumbs: Thumbs) -> None:
             thumbs.move(2, 460 + 15 * step, 150)
         thumbs.lift(1)
         thumbs.lift(2)
-        return scrolled, page.evaluate("visualViewport.scale")
+        return float(page.evaluate("visualViewport.scale"))
 
     def asks_for_a_menu() -> bool:
         menu = "new MouseEvent('contextmenu', {bubbles: true, cancelable: true})"
@@ -257,15 +260,15 @@ def test_in_battle_the_page_holds_still(page: Page, thumbs: Thumbs) -> None:
         return str(page.evaluate("getComputedStyle(text).userSelect"))
 
     drive(page)
-    assert swipe_and_pinch() == (0, 1)
+    assert (swipe(), pinch()) == (0, 1)
     assert not asks_for_a_menu()
     assert selectable() == "none"
     page.evaluate("game.driver.stop()")
     assert asks_for_a_menu()
     assert selectable() != "none"
-    scrolled, zoom = swipe_and_pinch()
-    assert scrolled > 0
-    assert zoom > 1
+    # a busy browser may miss one
+    until(lambda: swipe() > 0, 10, "the page scrolls")
+    until(lambda: pinch() > 1, 10, "it zooms")
 
 
 def test_a_gamepad_drives_as_soon_as_it_is_plugged_in(page: Page) -> None:

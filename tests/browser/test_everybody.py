@@ -86,15 +86,51 @@ def fight(battle: Battle, people: tuple[Person, Player, Page], look: Looks) -> N
     expect(ann.page.locator("#game-status")).to_have_text("PLAY!")
     look.all(ann.page, "battle")
     look.all(watch, "watch, battle")
-    with Eyes(battle) as eyes:
-        hunter = Hunter(eyes.floor)
-
-        def ann_is_shot() -> bool:
-            bob.drive(*hunter.command(eyes.robots(), bob.robot, ann.robot))
-            return ann.page.locator("dialog[open]").count() > 0
-
-        until(ann_is_shot, 120, "Bob shoots Ann")
+    shoot(battle, bob, ann, "dialog[open]")
     look.all(ann.page, "result")
     look.once(watch, "watch, podium")
     ann.page.keyboard.press("Escape")
     look.all(ann.page, "after the battle")
+
+
+def shoot(battle: Battle, hunter: Player, prey: Person, sign: str) -> None:
+    """Until the prey's page has the `sign` of it, a selector."""
+    with Eyes(battle) as eyes:
+        mind = Hunter(eyes.floor)
+
+        def is_shot() -> bool:
+            hunter.drive(*mind.command(eyes.robots(), hunter.robot, prey.robot))
+            return prey.page.locator(sign).count() > 0
+
+        until(is_shot, 120, f"{hunter.name} shoots {prey.name}")
+
+
+@pytest.mark.timeout(900)
+def test_nobody_is_left_out_who_is_out_or_waits_or_tries_a_robot(chromium: Browser) -> None:
+    look = Looks()
+    with (
+        Battle(
+            3, LASERBOT_COUNTDOWN="5", LASERBOT_HIT_DAMAGE="100", LASERBOT_PRACTICE="1", LASERBOT_OFFER="600"
+        ) as battle,
+        Player(battle, "Bob") as bob,
+        Player(battle, "Dan") as dan,
+    ):
+        ann = Person(chromium, battle, "Ann")
+        ann.log_in()
+        look.all(ann.page, "practice")
+        ann.page.locator("#ready-btn").click()
+        expect(ann.page.locator("#ready-btn")).to_have_attribute("aria-pressed", "true")
+        assert (bob.ready(), dan.ready()) == ("OK", "OK")
+        expect(ann.page.locator("body")).to_have_attribute("data-phase", "playing")
+        shoot(battle, bob, ann, "[data-phase=out]")
+        look.all(ann.page, "out")
+        cem = Person(chromium, battle, "Cem")
+        cem.page.locator("#username").fill("Cem")
+        cem.page.locator("#username").press("Enter")
+        expect(cem.page.locator("#queue-title")).to_be_visible()
+        dan.post("signOutUser", data="Dan")
+        expect(cem.page.locator("#take")).to_be_visible()
+        look.all(cem.page, "an offer")
+        for person in (ann, cem):
+            person.context.close()
+    assert {state: lines for state, lines in look.found.items() if lines} == {}

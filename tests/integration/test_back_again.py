@@ -1,4 +1,4 @@
-"""The web server is killed in the middle of a battle: it comes back by itself, and the drivers have kept driving."""
+"""In the middle of a battle the web server is killed, or the ROS master hangs: the drivers do not notice."""
 
 import math
 import time
@@ -8,6 +8,10 @@ from tests.support.battle import Battle
 from tests.support.play import PLAYING, keep_turning, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import patience, until
+
+BACK = 10.0  # s; 1.6 on a quiet machine, but each worker of the tests has browsers and robots of its own
+HANG = 10.0  # s
+PROGRAMS = (r"python3 -m server\.main", r"python3 -m server\.rosbridge")
 
 
 def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notice() -> None:
@@ -21,7 +25,7 @@ def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notic
         begun = ann.look()
         with keep_turning(ann):
             until(lambda: turning(eyes, ann.robot), 5, "the robot turns")
-            battle.kill(r"python3 -m server\.main")
+            battle.kill(PROGRAMS[0])
             killed = time.monotonic()
             stood = 0
             while not is_signed_in(ann):
@@ -31,8 +35,32 @@ def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notic
             stood += not turning(eyes, ann.robot)
         after = ann.look()
         assert stood == 0 or silent > REFEREE_SILENCE - 0.5, "after so long on a busy machine all robots are to stop"
+        assert silent < BACK * patience()
         assert (after["game"], after["battle"]) == (PLAYING, begun["battle"])
         assert is_signed_in(bob)
+
+
+def test_who_drives_while_the_ros_master_hangs_does_not_notice() -> None:
+    with (
+        Battle(2, 0, LASERBOT_COUNTDOWN="1", LASERBOT_BATTLE_LIMIT="600") as battle,
+        Player(battle, "ann") as ann,
+        Player(battle, "bob") as bob,
+        Eyes(battle) as eyes,
+    ):
+        start(ann, bob)
+        begun, programs = ann.look(), [battle.pid(program) for program in PROGRAMS]
+        with keep_turning(ann), battle.pause(r"server\.rosmaster"):
+            end = time.monotonic() + HANG
+            while time.monotonic() < end:
+                assert turning(eyes, ann.robot)
+                assert is_signed_in(ann)
+            now = ann.look()
+            assert now["time_left"] < begun["time_left"] - HANG + 1
+        after = ann.look()
+        assert (after["game"], after["battle"]) == (PLAYING, begun["battle"])
+        assert [user["life"] for user in after["users"]] == [user["life"] for user in begun["users"]]
+        assert is_signed_in(bob)
+        assert [battle.pid(program) for program in PROGRAMS] == programs
 
 
 def turning(eyes: Eyes, robot: int) -> bool:

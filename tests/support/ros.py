@@ -23,6 +23,8 @@ HOST = "127.0.0.1"
 class RosMaster:
     """The master's own; `env` is what ROS programs need in their environment to use it."""
 
+    PROGRAM: tuple[str, ...] = ("-m", "server.rosmaster")
+
     def __init__(self, folder: Path) -> None:
         self.port = free_port()
         self.uri = f"http://{HOST}:{self.port}"
@@ -42,7 +44,7 @@ class RosMaster:
         return self._program.process.pid
 
     def start(self) -> None:
-        self._program = Program([sys.executable, "-m", "server.rosmaster", "-p", str(self.port)], self.env)
+        self._program = Program([sys.executable, *self.PROGRAM, "-p", str(self.port)], self.env)
         until(lambda: listening(self.port), 10, "the ROS master")
 
     def stop(self) -> None:

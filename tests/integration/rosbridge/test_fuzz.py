@@ -5,7 +5,7 @@ import json
 import os
 import re
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import psutil
@@ -216,6 +216,20 @@ class Arena:
     def _play(self, game: int, life: int = 100) -> None:
         self._spoken = time.monotonic()
         self.ros.status(game, player("al", "of-al", 0, life), player("bo", "of-bo", 1))
+
+
+class DebiansMaster(RosMaster):
+    """Unlike ours, it notes in a file who registers what."""
+
+    PROGRAM = ("/usr/bin/rosmaster", "--core")
+
+
+@pytest.fixture(scope="module")
+def ros_master(tmp_path_factory: pytest.TempPathFactory) -> Iterator[RosMaster]:
+    master = DebiansMaster(tmp_path_factory.mktemp("ros"))
+    master.start()
+    yield master
+    master.stop()
 
 
 @pytest.fixture

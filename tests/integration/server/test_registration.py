@@ -144,11 +144,19 @@ def test_peers_that_stall_while_greeting_hold_up_nobody_and_are_cut_off(server, 
         stalled[0].sendall(b"POST / HTTP/1.1\r\n")  # which says: a greeting of 1.4 GB
         stalled[1].sendall(b"\x10\x00")
         assert server.robot("a").id == 0
-        assert [client.recv(1) for client in stalled] == [b""] * 3
+        assert [is_cut_off(client) for client in stalled] == [True] * 3
     finally:
         for client in stalled:
             client.close()
     assert "Traceback" not in server.program.output
+
+
+def is_cut_off(client: socket.socket) -> bool:
+    """By a reset when the server has left some of it unread."""
+    try:
+        return client.recv(1) == b""
+    except ConnectionResetError:
+        return True
 
 
 @contextmanager
