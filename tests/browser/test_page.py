@@ -1,5 +1,6 @@
 """What the pages offer and how they take it when something goes wrong, in a real browser on the whole chain."""
 
+import re
 from collections.abc import Callable, Iterator
 
 import psutil
@@ -111,6 +112,51 @@ def test_without_a_free_robot_one_waits_and_takes_the_one_that_is_offered(
         bea.page.locator("#leave").click()
         expect(bea.page.locator("#queue")).to_be_hidden()
         expect(bea.page.locator("#username")).to_be_visible()
+
+
+def go_to(page: Page, selector: str) -> None:
+    """With the Tab key only."""
+    for _ in range(60):
+        if page.evaluate("selector => document.activeElement.matches(selector)", selector):
+            return
+        page.keyboard.press("Tab")
+    raise AssertionError(f"Tab does not come to {selector}")
+
+
+def test_the_keyboard_is_enough_from_the_login_to_the_way_out(person: Callable[[str], Person], battle: Battle) -> None:
+    ann = person("Ann")
+    page = ann.page
+    with Player(battle, "Bob") as bob:
+        go_to(page, "#username")
+        page.keyboard.type("Ann")
+        page.keyboard.press("Enter")
+        page.wait_for_url("**/home")
+        expect(page.locator("#seats")).to_contain_text("Ann")
+        for way in (["#how-to"], [".user-button", "#settings"]):
+            for button in way:
+                go_to(page, button)
+                page.keyboard.press("Enter")
+            expect(page.locator("dialog[open]")).to_be_visible()
+            page.keyboard.press("Escape")
+            expect(page.locator("dialog[open]")).to_have_count(0)
+        go_to(page, "#ready-btn")
+        page.keyboard.press("Enter")
+        expect(page.locator("#ready-btn")).to_have_attribute("aria-pressed", "true")
+        assert bob.ready() == "OK"
+        expect(page.locator("body")).to_have_attribute("data-phase", "playing")
+        sound = page.locator("#sound")
+        sound.click()
+        is_on = str(sound.get_attribute("aria-pressed"))
+        ann.hold((1, 0, True))
+        expect(page.locator("#pilot")).to_have_attribute("data-held", re.compile("up shoot|shoot up"))
+        ann.hold((0, 0, False))
+        expect(sound, "who has clicked it goes on shooting").to_have_attribute("aria-pressed", is_on)
+        for button in (".user-button", "#sign-out"):
+            go_to(page, button)
+            page.keyboard.press("Enter")
+        expect(page.locator("dialog[open]")).to_be_visible()
+        page.keyboard.press("Enter")
+        expect(page.locator("#username")).to_be_visible()
 
 
 def test_a_robot_can_be_chosen_until_somebody_else_has_it(person: Callable[[str], Person], battle: Battle) -> None:

@@ -26,9 +26,14 @@ export function isForPage(event) {
 /** Keys that reach `target`, which is the window or has the focus. */
 export function connectKeyboard(target, driver, onChange) {
   const source = (event) => `key ${event.code || event.key}`;
+  let byTab = false; // how the focus has come to where it is; who clicks a button goes on shooting
+  const presses = (event) =>
+    byTab && actionOf(event) === "shoot" && event.target instanceof Element && event.target.closest("button, a") !== null;
+  target.addEventListener("pointerdown", () => (byTab = false), true);
   target.addEventListener("keydown", (event) => {
     const action = actionOf(event);
-    if (!driver.driving) return;
+    byTab ||= event.key === "Tab";
+    if (!driver.driving || presses(event)) return;
     if (isForPage(event)) {
       driver.releaseAll(); // a shortcut or a dialog may swallow the releases
       onChange();
@@ -39,7 +44,8 @@ export function connectKeyboard(target, driver, onChange) {
     }
   });
   target.addEventListener("keyup", (event) => {
-    if (driver.driving && actionOf(event) && !dialogs.isOpen()) event.preventDefault(); // a button is pressed by Space's release
+    // a button is pressed by Space's release
+    if (driver.driving && actionOf(event) && !dialogs.isOpen() && !presses(event)) event.preventDefault();
     driver.release(source(event));
     onChange();
   });
