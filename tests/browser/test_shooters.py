@@ -13,7 +13,7 @@ from tests.support.battle import Battle
 from tests.support.player import Player
 from tests.support.programs import Program
 
-CODED = {"LASERBOT_LIGHT": "coded", "LASERBOT_COUNTDOWN": "3", "LASERBOT_HIT_DAMAGE": "50"}
+CODED = {"LASERBOT_LIGHT": "coded", "LASERBOT_COUNTDOWN": "15", "LASERBOT_HIT_DAMAGE": "50"}
 
 
 @pytest.fixture
