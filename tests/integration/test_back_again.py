@@ -2,6 +2,9 @@
 
 import math
 import time
+from collections.abc import Iterator
+
+import pytest
 
 from server.rosbridge.gate import REFEREE_SILENCE
 from tests.support.battle import Battle
@@ -14,7 +17,12 @@ HANG = 10.0  # s
 PROGRAMS = (r"python3 -m server\.main", r"python3 -m server\.rosbridge")
 
 
-def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notice() -> None:
+Fight = tuple[Battle, Player, Player, Eyes]
+
+
+@pytest.fixture
+def fight() -> Iterator[Fight]:
+    """A battle that has just begun, its two players, and where their robots are."""
     with (
         Battle(2, 0, LASERBOT_COUNTDOWN="1", LASERBOT_BATTLE_LIMIT="600") as battle,
         Player(battle, "ann") as ann,
@@ -22,45 +30,44 @@ def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notic
         Eyes(battle) as eyes,
     ):
         start(ann, bob)
-        begun = ann.look()
-        with keep_turning(ann):
-            until(lambda: turning(eyes, ann.robot), 5, "the robot turns")
-            battle.kill(PROGRAMS[0])
-            killed = time.monotonic()
-            stood = 0
-            while not is_signed_in(ann):
-                stood += not turning(eyes, ann.robot)
-            until(lambda: ann.look()["time_left"] < begun["time_left"] - 0.5, 10, "the referee speaks again")
-            silent = time.monotonic() - killed
+        yield battle, ann, bob, eyes
+
+
+def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notice(fight: Fight) -> None:
+    battle, ann, bob, eyes = fight
+    begun = ann.look()
+    with keep_turning(ann):
+        until(lambda: turning(eyes, ann.robot), 5, "the robot turns")
+        battle.kill(PROGRAMS[0])
+        killed = time.monotonic()
+        stood = 0
+        while not is_signed_in(ann):
             stood += not turning(eyes, ann.robot)
-        after = ann.look()
-        assert stood == 0 or silent > REFEREE_SILENCE - 0.5, "after so long on a busy machine all robots are to stop"
-        assert silent < BACK * patience()
-        assert (after["game"], after["battle"]) == (PLAYING, begun["battle"])
-        assert is_signed_in(bob)
+        until(lambda: ann.look()["time_left"] < begun["time_left"] - 0.5, 10, "the referee speaks again")
+        silent = time.monotonic() - killed
+        stood += not turning(eyes, ann.robot)
+    after = ann.look()
+    assert stood == 0 or silent > REFEREE_SILENCE - 0.5, "after so long on a busy machine all robots are to stop"
+    assert silent < BACK * patience()
+    assert (after["game"], after["battle"]) == (PLAYING, begun["battle"])
+    assert is_signed_in(bob)
 
 
-def test_who_drives_while_the_ros_master_hangs_does_not_notice() -> None:
-    with (
-        Battle(2, 0, LASERBOT_COUNTDOWN="1", LASERBOT_BATTLE_LIMIT="600") as battle,
-        Player(battle, "ann") as ann,
-        Player(battle, "bob") as bob,
-        Eyes(battle) as eyes,
-    ):
-        start(ann, bob)
-        begun, programs = ann.look(), [battle.pid(program) for program in PROGRAMS]
-        with keep_turning(ann), battle.pause(r"server\.rosmaster"):
-            end = time.monotonic() + HANG
-            while time.monotonic() < end:
-                until(lambda: turning(eyes, ann.robot), 5, "it turns, after a moment without the processor")
-                assert is_signed_in(ann)
-            now = ann.look()
-            assert now["time_left"] < begun["time_left"] - HANG + 1
-        after = ann.look()
-        assert (after["game"], after["battle"]) == (PLAYING, begun["battle"])
-        assert [user["life"] for user in after["users"]] == [user["life"] for user in begun["users"]]
-        assert is_signed_in(bob)
-        assert [battle.pid(program) for program in PROGRAMS] == programs
+def test_who_drives_while_the_ros_master_hangs_does_not_notice(fight: Fight) -> None:
+    battle, ann, bob, eyes = fight
+    begun, programs = ann.look(), [battle.pid(program) for program in PROGRAMS]
+    with keep_turning(ann), battle.pause(r"server\.rosmaster"):
+        end = time.monotonic() + HANG
+        while time.monotonic() < end:
+            until(lambda: turning(eyes, ann.robot), 5, "it turns, after a moment without the processor")
+            assert is_signed_in(ann)
+        now = ann.look()
+        assert now["time_left"] < begun["time_left"] - HANG + 1
+    after = ann.look()
+    assert (after["game"], after["battle"]) == (PLAYING, begun["battle"])
+    assert [user["life"] for user in after["users"]] == [user["life"] for user in begun["users"]]
+    assert is_signed_in(bob)
+    assert [battle.pid(program) for program in PROGRAMS] == programs
 
 
 def turning(eyes: Eyes, robot: int) -> bool:
