@@ -9,6 +9,7 @@ import pytest
 from fleet import Fleet, Machine, until
 
 SECRETS_OF_ALL = ("/root/.docker/config.json",)
+TLS_KEY = "/etc/laserbot/tls/front.key"
 SECRETS_OF_THE_MASTER = (
     "/etc/laserbot/ca/ca.key",
     "/etc/laserbot/operator-token",
@@ -120,20 +121,21 @@ def test_the_firewall_is_in_effect(machine: Machine) -> None:
     rules = machine.run("nft list table inet laserbot")
     assert "policy drop" in rules
     (ports,) = re.findall(r"tcp dport (\S+|{ .* }) accept comment \"players\"", rules) or [""]
-    game = (5000, 9090, 9091) if machine.group == "master" else ()
+    game = (80, 443, 5000, 9090, 9091) if machine.group == "master" else ()
     assert sorted(map(int, re.findall(r"\d+", ports))) == sorted({*game, *machine.open_ports})
     # the engine's own are still there
     assert "DOCKER" in machine.run("nft list ruleset")
 
 
 def test_secret_files_are_nobody_elses(machine: Machine) -> None:
-    for path in (*SECRETS_OF_ALL, *SECRETS_OF_THE_MASTER):
-        file = machine.host.file(path)
-        if machine.group != "master" and path in SECRETS_OF_THE_MASTER:
-            assert not file.exists, path
-            continue
-        assert file.mode & 0o007 == 0, f"{path} {file.mode:o}"
-        assert machine.host.run(f"sudo -u nobody cat {path}").rc != 0, path
+    wanted = {*SECRETS_OF_ALL, *(SECRETS_OF_THE_MASTER if machine.group == "master" else ())}
+    if machine.tls:
+        wanted.add(TLS_KEY)
+    looked_for = " ".join((*SECRETS_OF_ALL, *SECRETS_OF_THE_MASTER, TLS_KEY))
+    found = dict(line.split() for line in machine.host.run(f"stat --format '%n %a' {looked_for}").stdout.splitlines())
+    assert set(found) == wanted
+    assert not [path for path, mode in found.items() if int(mode, 8) & 0o007]
+    assert machine.host.run(f"sudo -u nobody cat {looked_for} 2>/dev/null").stdout == ""
 
 
 def test_no_secret_is_shown(fleet: Fleet, machine: Machine) -> None:

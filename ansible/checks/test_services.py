@@ -64,6 +64,16 @@ def test_the_registry_wants_a_password(machine: Machine) -> None:
     ask = (
         "import ssl,urllib.request as r;"
         "c=ssl.create_default_context(cafile='/etc/docker/certs.d/laser-bot-master.local:5443/ca.crt');"
+def test_the_game_is_at_one_address(master: Machine) -> None:
+    """By TLS if it has a certificate; the authority's own comes without."""
+    kind = "https" if master.tls else "http"
+    ask = (
+        "import ssl,urllib.request as r;"
+        f"print(r.urlopen('http://{master.address}/',timeout=5,context=ssl._create_unverified_context()).url)"
+    )
+    assert master.run(f'python3 -c "{ask}"').startswith(f"{kind}://{master.address}/")
+
+
         "r.urlopen('https://laser-bot-master.local:5443/v2/rosberry/tags/list',context=c,timeout=10)"
     )
     answer = machine.host.run(f'python3 -c "{ask}"')

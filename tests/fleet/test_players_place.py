@@ -2,11 +2,16 @@
 
 import json
 import shlex
+import ssl
+from pathlib import Path
+
+import requests
+from websockets.sync.client import connect
 
 from fleet import Machine
 from tests.support.rehearsal import Rehearsal, ask_from
 
-OPEN = {"master": {5000, 9090, 9091}, "robots": set()}
+OPEN = {"master": {80, 443, 5000, 9090, 9091}, "robots": set()}
 # what listens on the hosts or might: SSH, time, ROS master, engine, registry, arbitrary ports of ROS nodes
 PORTS = [22, 80, 111, 123, 443, 2375, 2376, 5000, 5353, 5443, 8090, 9090, 9091, 11311, 32768, 40000, 50000, 60999]
 
@@ -83,3 +88,17 @@ def test_a_robot_cannot_log_in_to_the_master(rehearsal: Rehearsal) -> None:
     connect = f"import socket;socket.create_connection(('{rehearsal.master.address}',22),3)"
     answer = rehearsal.robots[0].host.run(f'python3 -c "{connect}"')
     assert "TimeoutError" in answer.stderr
+
+
+def test_players_come_by_tls_with_a_certificate_of_the_fleets_own(rehearsal: Rehearsal, tmp_path: Path) -> None:
+    """They get the authority's certificate without TLS."""
+    authority = tmp_path / "ca.crt"
+    authority.write_bytes(requests.get(f"http://{rehearsal.master.address}/ca.crt", timeout=5).content)
+    home = requests.get(f"http://{rehearsal.master.address}/", timeout=5, verify=str(authority))
+    assert home.url == f"https://{rehearsal.master.address}/"
+    assert "LaserBot Battle" in home.text
+    with connect(
+        f"wss://{rehearsal.master.address}/rosbridge", ssl=ssl.create_default_context(cafile=authority)
+    ) as rosbridge:
+        rosbridge.send('{"op": "subscribe", "topic": "/game_status"}')
+        assert "users" in str(rosbridge.recv(timeout=5))

@@ -38,7 +38,7 @@ class Rehearsal(Fleet):
     def __init__(self) -> None:
         groups = yaml.safe_load(INVENTORY.read_text())
         super().__init__(
-            Machine(name, group, host["ansible_host"], "pi", SSH, camera="robot_camera" in host)
+            Machine(name, group, host["ansible_host"], "pi", SSH, camera="robot_camera" in host, tls=group == "master")
             for group in ("master", "robots")
             for name, host in groups[group]["hosts"].items()
         )
