@@ -36,7 +36,9 @@ def pytest_generate_tests(metafunc: pytest.Metafunc) -> None:
     for argument, group in {"machine": None, "master": "master", "robot": "robots"}.items():
         if argument in metafunc.fixturenames:
             chosen = [machine for machine in machines if group in (None, machine.group)]
-            metafunc.parametrize(argument, chosen, ids=lambda machine: machine.name, scope="session")
+            # the hosts are asked at the same time, each over one connection
+            each = [pytest.param(one, id=one.name, marks=pytest.mark.xdist_group(one.name)) for one in chosen]
+            metafunc.parametrize(argument, each, scope="session")
 
 
 @pytest.fixture(scope="session")
@@ -49,14 +51,14 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     for outcome, mark in (("passed", "ok"), ("failed", "FAILED"), ("error", "FAILED")):
         for report in terminalreporter.getreports(outcome):
             test, _, host = report.nodeid.rpartition("::")[2].partition("[")
-            rows[test][host.rstrip("]")] = mark
+            rows[test][host.partition("]")[0]] = mark
     hosts = sorted({host for row in rows.values() for host in row if host})
     if not hosts:
         return
     width = max(map(len, rows))
     terminalreporter.write_line("")
     terminalreporter.write_line(" ".join([" " * width, *hosts]))
-    for test, row in rows.items():
+    for test, row in sorted(rows.items()):
         name = test.removeprefix("test_").replace("_", " ")
         everywhere = row.get("", "")
         terminalreporter.write_line(

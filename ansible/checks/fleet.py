@@ -77,7 +77,18 @@ class Machine:
 
     def container(self, service: str) -> dict[str, Any]:
         """What the engine says of a container."""
-        return dict(json.loads(self.run(f"docker inspect {service}"))[0])
+        return self.containers(service)[service]
+
+    def containers(self, *services: str) -> dict[str, dict[str, Any]]:
+        """The same of several, by default of all services."""
+        found = json.loads(self.run(f"docker inspect {' '.join(services or self.services)}"))
+        return {container["Name"].removeprefix("/"): container for container in found}
+
+    def run_in_containers(self, command: str) -> dict[str, str]:
+        """What a command prints in each of the services' containers, all at once."""
+        each = f"echo $s $(docker exec $s {command} 2>&1)"
+        lines = self.run(f"for s in {' '.join(self.services)}; do {each} & done; wait").splitlines()
+        return {service: said for service, _, said in (line.partition(" ") for line in lines)}
 
 
 class Fleet:
