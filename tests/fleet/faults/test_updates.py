@@ -317,7 +317,7 @@ def test_an_image_that_does_not_start_is_refused_though_the_update_was_broken_of
 ) -> None:
     old = images(rehearsal.robots)
     first = rehearsal.robots[0]
-    release, flashed = (first.run(f"cat /etc/laserbot/{name}.json") for name in ("release", "firmware"))
+    noted_before, flashed = noted(first), first.run("cat /etc/laserbot/firmware.json")
     broken_off = Playbook("update", f"--extra-vars=fleet_images_archive={broken}")
     until(lambda: runs(first) not in ([], old[:1]), 400, "it has the new image")
     broken_off.stop(signal.SIGINT, 60)
@@ -336,12 +336,18 @@ def test_an_image_that_does_not_start_is_refused_though_the_update_was_broken_of
     assert "No module named robot.no_such_program" in run.output, "what the service said"
     assert f"runs with {old[0]} again" in run.output
     assert images(rehearsal.robots) == old
-    assert [first.run(f"cat /etc/laserbot/{name}.json") for name in ("release", "firmware")] == [release, flashed]
+    assert first.run("cat /etc/laserbot/firmware.json") == flashed
+    assert noted(first) == noted_before
     rehearsal.playbook("rollback")
     assert images(rehearsal.robots) == old, "nobody has got the newest release: nothing to go back from"
     rehearsal.wait_until_complete()
-    known = json.loads(release)
-    assert stored(first) == {known["current"], known["previous"]} - {""}, "the refused one takes no room"
+    assert stored(first) == {noted_before["current"], noted_before["previous"]} - {""}, "the refused one takes no room"
+
+
+def noted(machine: Machine) -> dict[str, str]:
+    """What the host remembers of its releases, without the one that it was offered last."""
+    known: dict[str, str] = json.loads(machine.run("cat /etc/laserbot/release.json"))
+    return {key: value for key, value in known.items() if key != "offered"}
 
 
 def test_a_masters_image_is_refused_as_a_whole(rehearsal: Rehearsal, broken_master: Path, measured: Measured) -> None:
@@ -354,3 +360,34 @@ def test_a_masters_image_is_refused_as_a_whole(rehearsal: Rehearsal, broken_mast
     assert run.recap["laser_bot_master"]["failed"] == 1
     assert [rehearsal.master.container(one)["Config"]["Image"] for one in rehearsal.master.services] == old
     rehearsal.wait_until_complete()
+
+
+def test_a_robot_that_missed_a_release_goes_back_by_one_as_the_others(rehearsal: Rehearsal, better: Path) -> None:
+    """It was off when one came, and on when the next did. The registry has what they go back to, and no more."""
+    absent, other = rehearsal.robots[:2]
+    old = images([absent, other])
+    power_off(absent)
+    try:
+        rehearsal.playbook("update", f"--extra-vars=fleet_images_archive={better}")
+    finally:
+        power_on(absent)
+    rehearsal.wait_until_complete()
+    missed = images([other])
+    with archive("best", "rosberry", "LABEL best=yes") as file:
+        rehearsal.playbook("update", f"--extra-vars=fleet_images_archive={file}")
+        newest = images([absent, other])
+        assert not {*newest} & {*old, *missed}
+        assert in_the_registry(rehearsal.master, "rosberry") == {one.partition("@")[2] for one in newest + missed}
+        rehearsal.playbook("rollback")
+    assert images([absent, other]) == missed * 2
+    rehearsal.playbook("deploy")
+    assert images([absent, other]) == old
+    rehearsal.wait_until_complete()
+
+
+def in_the_registry(master: Machine, name: str) -> set[str]:
+    """Digests of an image that the registry can give to a host."""
+    ask = f"skopeo inspect --raw --authfile /root/.docker/config.json docker://laser-bot-master.local:5443/{name}@"
+    folder = f"/var/lib/docker-registry/docker/registry/v2/repositories/{name}/_manifests/revisions/sha256"
+    digests = [f"sha256:{link.split('/')[-2]}" for link in master.run(f"find {folder} -name link").split()]
+    return {digest for digest in digests if "manifests" in json.loads(master.run(f"{ask}{digest}"))}
