@@ -55,6 +55,11 @@ RUN_BY = {
         "PYTHONPATH=build/python:$PYTHONPATH .venv/bin/python -m server.rosbridge --port 9090 --open": "tests"
         "/integration/rosbridge/test_documented_lab.py::test_the_python_example_runs",
     },
+    "docs/replace-the-master.md": {
+        f"ansible-playbook -i inventory/mine {verb} --ask-vault-pass": "tests/fleet/faults/test_host_is_replaced.py"
+        "::test_the_masters_card_is_replaced"
+        for verb in ("backup.yml", "restore.yml -e backup=$PWD/backup/DATE-TIME.tar")
+    },
     "ansible/README.md": {
         "make fleet": "ci/test-fleet::ci/fleet up",
         "make fleet-down": "ci/test-fleet::ci/fleet down",
@@ -132,7 +137,7 @@ def test_links_lead_to_files_and_headings(document: Path) -> None:
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda path: str(path.relative_to(ROOT)))
 def test_files_that_are_named_exist(document: Path) -> None:
     """Between backquotes, from the repository's root or from the document's folder on."""
-    others = re.compile("laser_bot_battle/[A-Z]|inventory/mine")  # names of types, and what the operator makes
+    others = re.compile("laser_bot_battle/[A-Z]|inventory/mine|backup/")  # names of types, and what the operator makes
     tops = {path.name for folder in (ROOT, document.parent) for path in folder.iterdir()} - {"build"}
     for path in re.findall(r"`([\w.-]+(?:/[\w.-]+)*/?)`", document.read_text()):
         if path.split("/")[0] in tops and not others.match(path):

@@ -1,0 +1,70 @@
+"""roles/master: what only the master has is saved in one file, and brought back (docs/replace-the-master.md)."""
+
+import sqlite3
+import sys
+from contextlib import closing
+from pathlib import Path
+
+from sqlalchemy import URL
+
+from server.store import versions
+from server.store.database import make_engine
+from tests.support.local_play import play_role, recap
+from tests.support.programs import ROOT
+
+# runs the store's own program here instead of in a container; what else it is told is noted
+DOCKER = """#!/bin/sh
+case $1 in
+run)
+    until [ "$1" = python3 ]; do shift; done
+    shift
+    cd {root} && LASERBOT_DATA={folder} PYTHONPATH=laser_bot_battle/src exec {python} "$@"
+    ;;
+inspect) echo webserver ;;
+*) echo "$*" >>{folder}/told ;;
+esac
+"""
+
+
+def play(tasks: str, folder: Path) -> None:
+    variables = f"fleet_ca: {folder}/ca\nmaster_backup: {folder}/saved/evening.tar\n"
+    run = play_role("master", tasks, variables, folder, "laser_bot_master")
+    assert recap(run.stdout)["laser_bot_master"]["failed"] == 0, run.stdout
+
+
+def mark(database: Path, number: int | None = None) -> int:
+    """A number in the database that tells which one it is."""
+    with closing(sqlite3.connect(database)) as connection:
+        if number is not None:
+            connection.execute(f"PRAGMA user_version={number}")
+        return int(connection.execute("PRAGMA user_version").fetchone()[0])
+
+
+def test_database_and_ca_come_back_as_they_were_saved(tmp_path: Path) -> None:
+    (tmp_path / "docker").write_text(DOCKER.format(root=ROOT, folder=tmp_path, python=sys.executable))
+    (tmp_path / "docker").chmod(0o755)
+    (tmp_path / "ca").mkdir()
+    for name in ("ca.key", "ca.crt"):
+        (tmp_path / "ca" / name).write_text(name)
+    database = tmp_path / "laserbot.db"
+    engine = make_engine(URL.create("sqlite", database=str(database)))
+    with engine.begin() as connection:
+        versions.prepare(connection)
+    engine.dispose()
+    mark(database, 7)
+    play("backup", tmp_path)
+    saved = tmp_path / "saved" / "evening.tar"
+    assert saved.stat().st_mode & 0o077 == 0, "it has the CA's key"
+    assert not (tmp_path / "told").exists(), "the game goes on"
+
+    for name in ("ca.key", "ca.crt"):
+        (tmp_path / "ca" / name).write_text("another one's")
+    mark(database, 8)
+    play("restore_ca", tmp_path)
+    play("restore_database", tmp_path)
+    assert {path.name: path.read_text() for path in (tmp_path / "ca").iterdir()} == {
+        "ca.key": "ca.key",
+        "ca.crt": "ca.crt",
+    }
+    assert (mark(database), mark(database.with_name("laserbot.db.before"))) == (7, 8)
+    assert (tmp_path / "told").read_text() == "stop laserbot-web\nstart laserbot-web\n"
