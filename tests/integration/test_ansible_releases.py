@@ -13,7 +13,7 @@ REGISTRY = "laser-bot-master.local:5443"
 
 def noted(release: str) -> dict[str, object]:
     """As the master notes a release."""
-    return {"release": release, "images": [f"webserver@sha256:w{release}", f"rosberry@sha256:r{release}"]}
+    return {"release": release, "images": [f"rosberry@sha256:r{release}", f"webserver@sha256:w{release}"]}
 
 
 def robots_image(release: str) -> str:
