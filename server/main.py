@@ -13,6 +13,8 @@ from laser_bot_battle.log import configure_logging
 from laser_bot_battle.master import Master
 from laser_bot_battle.names import SERVER_NODE
 from laser_bot_battle.settings import read_or_exit
+from laser_bot_battle.watched import Owner, watched
+from server.figures import figures
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.robot import Robots
@@ -96,8 +98,10 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
     node.start_thread("links", links.run)
     serving = node.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.node.bind, settings.node.port)
+    owner = Owner(lambda: figures(game, health, hits.told(), lambda: database.problem), lambda: _missing(game))
     try:
-        yield
+        with watched("web", settings.node.metrics, owner):
+            yield
     finally:
         game.stop()
         positions.stop()
@@ -108,6 +112,12 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
         for robots in (hits, orders, reports):
             robots.stop()
         links.stop()
+
+
+def _missing(game: GameLoop) -> str:
+    """What the game lacks to be played: nothing, as long as its owner answers."""
+    game.snapshot()
+    return ""
 
 
 def _state(database: Database, roster: Roster, settings: Settings) -> State:

@@ -53,6 +53,7 @@ class NodeSettings:
     port: int
     port_variable: str  # by which the port can be changed
     master_uri: str
+    metrics: tuple[str, int] | None  # where the first program is watched
     log_level: str
 
     @classmethod
@@ -63,6 +64,7 @@ class NodeSettings:
             port=port.read(environ),
             port_variable=port.name,
             master_uri=variables.ROS_MASTER_URI.read(environ),
+            metrics=variables.METRICS.read(environ),
             log_level=variables.LOG_LEVEL.read(environ),
         )
 

@@ -29,6 +29,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.DATABASE,
     variables.ARENA_NAME,
     variables.ROSTER,
+    variables.METRICS,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,

@@ -7,6 +7,7 @@ import sys
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import RELAY_NODE
 from laser_bot_battle.settings import read_or_exit
+from laser_bot_battle.watched import Owner, in_loop, watched
 from server.camera.relay import Relay, limits_of
 from server.camera.settings import VARIABLES, Settings
 from server.camera.sight import Sight
@@ -35,7 +36,8 @@ async def _relay(node: Node, settings: Settings, listener: socket.socket) -> Non
         relay = Relay(own_node, Sight(settings.operator_token), settings.viewers, settings.rate)
         async with WebSocketServer(relay, listener, pages.identity_of, limits_of(settings.viewers), settings.proxies):
             _log.info("listening on %s port %d", settings.node.bind, settings.node.port)
-            await live(node)
+            with watched("relay", settings.node.metrics, in_loop(Owner(relay.figures, relay.missing))):
+                await live(node)
 
 
 if __name__ == "__main__":

@@ -3,15 +3,17 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 
 import genpy
+from prometheus_client.core import Metric
 
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, ROBOT_IDS, camera_parameter
 from server.camera.budget import Budget, Meter
 from server.camera.camera import WAITING, Camera
+from server.camera.figures import Traffic, figures
 from server.camera.picture import Picture
 from server.camera.sight import Sight
 from server.camera.viewer import Viewer
@@ -49,6 +51,7 @@ class Relay:
         self._cameras: dict[int, Camera] = {}
         self._budget = Budget(most_mbit * MEGABIT)
         self._sent = Meter(self._loop.time())  # bytes
+        self._traffic = Traffic()
         self._waiting: dict[Viewer, None] = {}  # spectators, in the order of their turns, for the budget
         self._timer: asyncio.TimerHandle | None = None  # of the next turn
         self._message: tuple[Picture, float, bytes] | None = None  # the last one, and when it was made
@@ -61,6 +64,14 @@ class Relay:
         kind = TypeSpec(GameStatus._type, GameStatus._md5sum, GameStatus._full_text)
         node.subscribe(GAME_STATUS, kind, self._hear_referee)
         self._loop.call_later(TICK, self._tick)
+
+    def figures(self) -> Iterable[Metric]:
+        """For those who watch the relay."""
+        return figures(len(self._connections), self._cameras.values(), self._traffic, time.time())
+
+    def missing(self) -> str:
+        """Why spectators and players see nothing, "" if they can."""
+        return "" if self._sight.is_known else "nothing heard from the referee"
 
     # ---- viewers ----
 
@@ -204,6 +215,7 @@ class Relay:
             self._tell(viewer, camera.state, camera.reason)
 
     def _pictured(self, camera: Camera, picture: Picture) -> None:
+        self._traffic.received += 1
         for viewer in camera.viewers:
             viewer.offer(picture)
             self._serve(viewer)
@@ -247,4 +259,6 @@ class Relay:
         message = self._message[2]
         self._budget.spend(len(message), self._loop.time())
         self._sent.add(len(message))
+        self._traffic.sent += 1
+        self._traffic.sent_bytes += len(message)
         self._connections[viewer].message("picture", message, 1)

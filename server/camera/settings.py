@@ -19,6 +19,7 @@ VARIABLES = (
     variables.WEB,
     variables.ORIGINS,
     variables.PROXIES,
+    variables.METRICS,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,

@@ -2,7 +2,9 @@
 plain light, on `/Robot<ID>/hit` by coded light. Needs an initialised node."""
 
 import logging
+import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from functools import partial
 
@@ -23,8 +25,15 @@ class Hits(RobotTopics):
     def __init__(self, game: GameLoop) -> None:
         super().__init__()
         self._game = game
+        self._lock = threading.Lock()
+        self._told = Counter({(light, counts): 0 for light in ("plain", "coded") for counts in ("yes", "no")})
         listen = partial(rospy.Subscriber, SHOTS, Shot, self._shot, tcp_nodelay=True)
         self._shots = RobotTopic(listen, time.monotonic())
+
+    def told(self) -> dict[tuple[str, ...], int]:
+        """How many were reported: by light, `plain` or `coded`, and whether they count, `yes` or `no`."""
+        with self._lock:
+            return dict(self._told)
 
     @property
     def _shots_told(self) -> bool:
@@ -47,9 +56,15 @@ class Hits(RobotTopics):
 
     def _hit(self, _: Empty, robot_id: int) -> None:
         counted = self._game.hit(robot_id, shots_told=self._shots_told)
+        self._count("plain", counted)
         _log.debug("robot %d reports a hit%s", robot_id, "" if counted else ", which does not count")
 
     def _shot_hit(self, message: Hit, robot_id: int) -> None:
         counted = self._game.shot_hit(robot_id, message.shooter, message.damage, shots_told=self._shots_told)
+        self._count("coded", counted)
         by = f"by robot {message.shooter}"
         _log.debug("robot %d reports a hit %s%s", robot_id, by, "" if counted else ", which does not count")
+
+    def _count(self, light: str, counted: bool) -> None:
+        with self._lock:  # each robot has its own thread
+            self._told[light, "yes" if counted else "no"] += 1

@@ -12,6 +12,7 @@ from laser_bot_battle import priority
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import ROSAPI_NODE, ROSBRIDGE_NODE
 from laser_bot_battle.settings import read_or_exit
+from laser_bot_battle.watched import Owner, in_loop, watched
 from server.event_loop import live, ros_node, warn_of_arguments, work_in_loop
 from server.node import Node, read_arguments
 from server.rosapi.node import start_rosapi
@@ -54,7 +55,8 @@ async def _talk(node: Node, settings: Settings, listener: socket.socket) -> None
             _log.info("listening on %s port %d", settings.node.bind, settings.node.port)
             if settings.is_open:
                 _log.warning("open: everybody who gets to this port may do everything, and drive every robot")
-            await live(node)
+            with watched("rosbridge", settings.node.metrics, in_loop(Owner(bridge.figures, bridge.missing))):
+                await live(node)
             bridge.stop()
             await asyncio.sleep(FLUSH)
 

@@ -2,11 +2,13 @@
 
 import asyncio
 import logging
-from collections.abc import Callable, Coroutine, Sequence
+import time
+from collections.abc import Callable, Coroutine, Iterable, Sequence
 from functools import partial
 from typing import Any
 
 import genpy
+from prometheus_client.core import Metric
 
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, SHOTS
@@ -32,6 +34,7 @@ from server.rosbridge.effects import (
     Replay,
     Send,
 )
+from server.rosbridge.figures import Delays, figures, missing
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.identity import OPERATOR, Identity
@@ -63,7 +66,7 @@ class Bridge:
         """`is_open`: everybody may do what an operator may. Needs a running event loop."""
         self._loop = asyncio.get_running_loop()
         self._gate, self._types, self._clock, self._is_open = gate, types, clock, is_open
-        self._drivers, self._graph = Drivers(), Graph()
+        self._drivers, self._graph, self._delays = Drivers(), Graph(), Delays()
         self._connections: dict[Client, Connection] = {}
         self._timers: dict[Subscription, asyncio.TimerHandle] = {}
         self._tasks: set[asyncio.Task[None]] = set()
@@ -109,8 +112,10 @@ class Bridge:
 
     def received(self, client: Client, data: str | bytes) -> None:
         """A WebSocket message from a client."""
-        before = client.identity
-        self._perform(client, client.receive(data, self._loop.time()))
+        before, commands, now = client.identity, self._drivers.commands, self._loop.time()
+        self._perform(client, client.receive(data, now))
+        if self._drivers.commands != commands:
+            self._delays.add(time.monotonic() - now)  # uvloop's clock stands still within a turn
         if client.identity is not before:
             self._move(client)
 
@@ -125,6 +130,14 @@ class Bridge:
         self._perform(None, self._drivers.stop_all())
         for task in self._tasks:
             task.cancel()
+
+    def figures(self) -> Iterable[Metric]:
+        """For those who watch rosbridge."""
+        return figures(len(self._connections), self._gate, self._drivers, self._delays, self._loop.time())
+
+    def missing(self) -> str:
+        """Why nobody can drive, "" if the players of a battle can."""
+        return missing(self._gate, self._loop.time())
 
     def _perform(self, client: Client | None, effects: Sequence[Effect]) -> None:
         """Carry out the effects in order; replies only for a client that is still there."""

@@ -19,9 +19,12 @@ class Drivers:
     def __init__(self) -> None:
         self.shots = Shots()
         self._moving: dict[str, tuple[Hashable, Identity]] = {}
+        self.commands = 0
+        """that clients have published so far"""
 
     def commanded(self, client: Hashable, who: Identity, topic: str, command: bytes) -> None:
         """`client` has published the serialized `command` on a command topic."""
+        self.commands += 1
         if command != NEUTRAL:
             self._moving[topic] = (client, who)
         else:

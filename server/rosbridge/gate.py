@@ -35,6 +35,17 @@ class Gate(People):
         self.coded = False
         """whether the robots' light is coded"""
         self._heard = float("-inf")
+        self.refusals = dict.fromkeys(("publish", "advertise", "subscribe", "call_service", "advertise_service"), 0)
+        """how often clients were refused something, by operation"""
+
+    def silence(self, now: float) -> float:
+        """The s since the referee has spoken; infinity: never."""
+        return now - self._heard
+
+    def refusal(self, operation: str, reason: str) -> RequestError:
+        """For a client to whom that is refused."""
+        self.refusals[operation] += 1
+        return RequestError(reason)
 
     def update(self, status: GameStatus, now: float) -> None:
         """The referee has spoken."""
@@ -88,7 +99,7 @@ class Gate(People):
         linear_x, angular_z, _ = _COMMAND.unpack(command)
         if who.operator or (abs(linear_x) <= 1 and abs(angular_z) <= 1):
             return
-        raise RequestError(f"linear_x and angular_z must be -1, 0 or 1, not {linear_x} and {angular_z}")
+        raise self.refusal("publish", f"linear_x and angular_z must be -1, 0 or 1, not {linear_x} and {angular_z}")
 
     def refuses_subscribing(self, who: Identity, topic: str, type_name: str) -> str:
         if who.operator:

@@ -24,6 +24,7 @@ VARIABLES = (
     variables.ORIGINS,
     variables.PROXIES,
     variables.PRIORITY,
+    variables.METRICS,
     variables.LOG_LEVEL,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from laser_bot_battle.variables import ALIVE_FILE, ARENA, ARENA_LINK, BIND, LOG_LEVEL, ROSBRIDGE
+from laser_bot_battle.variables import ALIVE_FILE, ARENA, ARENA_LINK, BIND, LOG_LEVEL, METRICS, ROSBRIDGE
 
-VARIABLES = (BIND, ARENA, ARENA_LINK, ROSBRIDGE, LOG_LEVEL, ALIVE_FILE)
+VARIABLES = (BIND, ARENA, ARENA_LINK, ROSBRIDGE, METRICS, LOG_LEVEL, ALIVE_FILE)
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,7 @@ class Settings:
     view_port: int
     link_port: int
     rosbridge_port: int
+    metrics: tuple[str, int] | None  # where the first program is watched
     log_level: str
 
     @classmethod
@@ -26,5 +27,6 @@ class Settings:
             view_port=ARENA.read(env),
             link_port=ARENA_LINK.read(env),
             rosbridge_port=ROSBRIDGE.read(env),
+            metrics=METRICS.read(env),
             log_level=LOG_LEVEL.read(env),
         )

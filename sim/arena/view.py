@@ -92,6 +92,11 @@ class View:
         self._newest = ""
         self._clock = Clock()
 
+    @property
+    def viewers(self) -> int:
+        """How many look on."""
+        return len(self._viewers)
+
     def app(self) -> web.Application:
         app = web.Application(middlewares=[self._with_headers])
         app.router.add_get("/", self._page)

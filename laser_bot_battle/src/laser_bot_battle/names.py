@@ -15,6 +15,9 @@ ROSBRIDGE_PORT = 9090
 ROS_PORT = 11311
 RELAY_PORT = 9091  # of the cameras' relay
 CAMERA_STREAM_PORT = 8090  # on a robot
+# programs that tell how they are, each on a port of its own, in this order (docs/monitoring.md)
+WATCHED = ("web", "rosbridge", "relay", "arena")
+METRICS_PORT = 9200  # of the first of them, with compose
 
 SERVER_NODE = "robots_server"
 ROSBRIDGE_NODE = "rosbridge_websocket"

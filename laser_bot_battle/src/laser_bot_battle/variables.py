@@ -12,10 +12,12 @@ from pathlib import Path
 from laser_bot_battle.announcement import MAX_OWN_NAME
 from laser_bot_battle.names import (
     CAMERA_STREAM_PORT,
+    METRICS_PORT,
     RELAY_PORT,
     ROBOT_IDS,
     ROS_PORT,
     ROSBRIDGE_PORT,
+    WATCHED,
     WEB_PORT,
     client_name,
 )
@@ -32,6 +34,7 @@ from laser_bot_battle.settings import (
     words,
 )
 
+MAX_FIRST_PORT = 65536 - len(WATCHED)
 _HEADER_GPIOS = range(28)  # the others belong to the Raspberry Pi's own parts, such as its SD card
 
 
@@ -93,6 +96,13 @@ def _camera_url(text: str) -> str:
     if not re.fullmatch(r"http://[^/\s]+:[0-9]{1,5}(/[\w/.-]*)?", text):
         raise ValueError("must be http://host:port or http://host:port/path")
     return text.rstrip("/")
+
+
+def _address(text: str) -> tuple[str, int]:
+    address, _, port_text = text.rpartition(":")
+    if not address or not re.fullmatch(r"[0-9]{1,5}", port_text) or not 1 <= int(port_text) <= MAX_FIRST_PORT:
+        raise ValueError(f"must be address:port, such as 127.0.0.1:{METRICS_PORT}, with a port up to {MAX_FIRST_PORT}")
+    return address.strip("[]"), int(port_text)
 
 
 def _arena(text: str) -> str:
@@ -291,6 +301,14 @@ PRIORITY: Variable[int] = Variable(
     "1 (compose: 0)",
     lowest=0,
     highest=99,
+)
+METRICS: Variable[tuple[str, int] | None] = Variable(
+    "LASERBOT_METRICS",
+    None,
+    "address and port at which the web server tells [how it is](monitoring.md); rosbridge, the cameras' relay and the "
+    f"arena have the next ports. `127.0.0.1:{METRICS_PORT}`: for programs on this machine only",
+    _address,
+    f"none (compose: `127.0.0.1:{METRICS_PORT}`)",
 )
 LOG_LEVEL = choice("LASERBOT_LOG_LEVEL", "info", LOG_LEVELS, "how much is logged")
 

@@ -111,7 +111,7 @@ class Publishing(Capability):
 
     def _decide(self, wanted: Advertisement) -> list[Effect]:
         if reason := self._refusal(wanted):
-            raise RequestError(reason)
+            raise self.client.gate.refusal("advertise", reason)
         return self._advertise(wanted.topic, self.client.topic_type(wanted.topic, wanted.type_name), wanted.latch)
 
     def _advertise(self, topic: str, message_type: MessageType, latch: bool) -> list[Effect]:
@@ -122,8 +122,9 @@ class Publishing(Capability):
         return effects
 
     def _refuse(self, reason: str, now: float) -> list[Effect]:
+        refusal = self.client.gate.refusal("publish", reason)
         last, told = self._refused
         if reason == last and now - told < REPEAT_REFUSAL:
             return []
         self._refused = (reason, now)
-        raise RequestError(reason)
+        raise refusal

@@ -34,7 +34,7 @@ class Services(Capability):
     def _call(self, request: Request) -> CallService:
         service = request.ros_name("service")
         if reason := self.client.gate.refuses_calling(self.client.identity, service):
-            raise RequestError(reason)
+            raise self.client.gate.refusal("call_service", reason)
         args = request.fields.get("args") or {}
         if type(args) not in (dict, list):
             raise RequestError(f"the field 'args' must be an object or a list, not {brief(args)}")

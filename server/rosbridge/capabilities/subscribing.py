@@ -31,7 +31,7 @@ class Subscribing(Capability):
             fragment_size(request),
         )
         if reason := self.client.gate.refuses_subscribing(self.client.identity, topic, type_name):
-            raise RequestError(reason)
+            raise self.client.gate.refusal("subscribe", reason)
         subscription = self._subscriptions.get(topic)
         # a page may have several parts that each wait for a latched message
         effects: list[Effect] = [Replay(topic)]

@@ -19,7 +19,7 @@ class Unlucky(threading.Event):
                 signal.raise_signal(signal.SIGTERM)
         return super().wait(timeout)
 
-node = Node("/a", NodeSettings("127.0.0.1", int(sys.argv[1]), "LASERBOT_WEB_PORT", "http://127.0.0.1:1", "info"))
+node = Node("/a", NodeSettings("127.0.0.1", int(sys.argv[1]), "LASERBOT_WEB_PORT", "http://127.0.0.1:1", None, "info"))
 node.ending = Unlucky()
 sys.exit(node.run(lambda listener: None))
 """
