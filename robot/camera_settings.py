@@ -18,6 +18,7 @@ VARIABLES = (
     variables.ROS_MASTER_URI,
     variables.RETRY,
     variables.LOG_LEVEL,
+    variables.LOG_FORMAT,
     variables.ALIVE_FILE,
 )
 LIBCAMERA = "libcamera"

@@ -63,6 +63,7 @@ def main() -> int:
             variables.ALIVE_FILE,
             variables.PRIORITY,
             variables.LOG_LEVEL,
+            variables.LOG_FORMAT,
         ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )

@@ -65,6 +65,7 @@ def main() -> int:
             variables.CAMERA_PORT,
             variables.CAMERA_URL,
             variables.LOG_LEVEL,
+            variables.LOG_FORMAT,
         ),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -116,7 +117,8 @@ def serve(port: SerialPort, waker: Waker, master: Master, log_level: str) -> int
     guard_rospy()
     rospy.init_node(NODE, disable_signals=True)
     guard_services()
-    configure_logging(log_level)
+    number = rospy.get_name().removeprefix("/Robot")
+    configure_logging(log_level, **({"robot": int(number)} if number.isascii() and number.isdigit() else {}))
     rospy.on_shutdown(lambda: waker.end("another node has taken this node's name"))
     line = SerialLine(port, waker, master)
     health = HealthThread(line.board, port.device, line.state)

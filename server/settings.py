@@ -31,6 +31,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.ROSTER,
     variables.METRICS,
     variables.LOG_LEVEL,
+    variables.LOG_FORMAT,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
 )

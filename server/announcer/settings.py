@@ -16,6 +16,7 @@ VARIABLES = (
     variables.WEB,
     variables.ROSBRIDGE,
     variables.LOG_LEVEL,
+    variables.LOG_FORMAT,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
 )

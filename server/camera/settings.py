@@ -21,6 +21,7 @@ VARIABLES = (
     variables.PROXIES,
     variables.METRICS,
     variables.LOG_LEVEL,
+    variables.LOG_FORMAT,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
 )

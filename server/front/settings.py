@@ -18,6 +18,7 @@ VARIABLES = (
     variables.RELAY,
     variables.VIEW,
     variables.LOG_LEVEL,
+    variables.LOG_FORMAT,
     variables.ALIVE_FILE,
 )
 

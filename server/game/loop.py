@@ -8,7 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
-from server.game.events import Recorded
+from server.game.events import Recorded, kind_of
 from server.game.referee import Referee, Verdict, Wish
 from server.game.snapshot import Player, Snapshot, Waiter
 
@@ -181,8 +181,12 @@ class GameLoop:
                     snapshots = [self._latest]
                 journal = self._referee.take_journal()
                 saved = self._referee.saved(now) if journal else {}
+                battle = self._latest.battle
             for recorded in journal:
-                _log.info("%s", recorded.event)
+                about = {"event": kind_of(recorded.event), "battle": battle}
+                if hasattr(recorded.event, "robot"):
+                    about["robot"] = recorded.event.robot
+                _log.info("%s", recorded.event, extra={"fields": about})
             if journal:
                 self._record(journal, saved)
             for snapshot in snapshots:

@@ -26,6 +26,7 @@ VARIABLES = (
     variables.PRIORITY,
     variables.METRICS,
     variables.LOG_LEVEL,
+    variables.LOG_FORMAT,
     variables.ALIVE_FILE,
     variables.ROS_MASTER_URI,
 )

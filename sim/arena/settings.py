@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from laser_bot_battle.variables import ALIVE_FILE, ARENA, ARENA_LINK, BIND, LOG_LEVEL, METRICS, ROSBRIDGE
+from laser_bot_battle.variables import ALIVE_FILE, ARENA, ARENA_LINK, BIND, LOG_FORMAT, LOG_LEVEL, METRICS, ROSBRIDGE
 
-VARIABLES = (BIND, ARENA, ARENA_LINK, ROSBRIDGE, METRICS, LOG_LEVEL, ALIVE_FILE)
+VARIABLES = (BIND, ARENA, ARENA_LINK, ROSBRIDGE, METRICS, LOG_LEVEL, LOG_FORMAT, ALIVE_FILE)
 
 
 @dataclass(frozen=True)

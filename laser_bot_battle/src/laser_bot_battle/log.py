@@ -1,12 +1,17 @@
 """Logging of all programs: one line per event on stderr, whatever strangers send and however often."""
 
+import json
 import logging
 import sys
 import time
 from collections import Counter
+from collections.abc import Mapping
+from datetime import UTC, datetime
 from typing import Any
 
+from laser_bot_battle.settings import read_or_exit
 from laser_bot_battle.token_bucket import TokenBuckets
+from laser_bot_battle.variables import LOG_FORMAT
 
 MAX_LINE = 4000  # characters of a message
 # the loggers that speak of what strangers send, and how many lines each has
@@ -25,8 +30,9 @@ BURST = 20
 PERIOD = 1.0  # s for each further line
 
 
-def configure_logging(level: str) -> None:
-    """Send everything of `level` ("debug" ... "error") and above to stderr.
+def configure_logging(level: str, **fields: object) -> None:
+    """Send everything of `level` ("debug" ... "error") and above to stderr, as LASERBOT_LOG_FORMAT says: a wrong format
+    ends the program with exit code 2. Lines for programs have `fields`, and an event's own (`extra={"fields": ...}`).
 
     Call it again after `rospy.init_node`, which puts handlers of its own in place (a file, and a second stream).
     """
@@ -34,7 +40,8 @@ def configure_logging(level: str) -> None:
     handler.addFilter(_name_program)
     handler.addFilter(_shorten_ros)
     handler.addFilter(_Budget())
-    handler.setFormatter(_Visible("%(asctime)s %(levelname)s %(name)s: %(message)s"))
+    is_json = read_or_exit("log", LOG_FORMAT.read) == "json"
+    handler.setFormatter(_Json(fields) if is_json else _Visible("%(asctime)s %(levelname)s %(name)s: %(message)s"))
     logging.basicConfig(level=level.upper(), handlers=[handler], force=True)
     logging.getLogger("rosout").handlers.clear()
     for noisy in ("rospy", "rosgraph", "rosmaster", "rosout", "xmlrpc", "waitress.queue"):
@@ -60,6 +67,27 @@ class _Visible(logging.Formatter):
 
     def formatException(self, ei: Any) -> str:  # noqa: N802 - logging's name
         return "\n".join(f"  {visible(line)}" for line in super().formatException(ei).splitlines())
+
+
+class _Json(logging.Formatter):
+    """One JSON object a line."""
+
+    def __init__(self, fields: Mapping[str, object]) -> None:
+        super().__init__()
+        self._fields = fields
+
+    def format(self, record: logging.LogRecord) -> str:
+        line = {
+            "time": datetime.fromtimestamp(record.created, UTC).isoformat(timespec="milliseconds"),
+            "level": record.levelname.lower(),
+            "logger": record.name,
+            "message": visible(record.getMessage()),
+            **self._fields,
+            **getattr(record, "fields", {}),
+        }
+        if record.exc_info:
+            line["traceback"] = self.formatException(record.exc_info)
+        return json.dumps(line)
 
 
 class _Budget(logging.Filter):

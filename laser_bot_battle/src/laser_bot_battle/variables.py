@@ -311,6 +311,9 @@ METRICS: Variable[tuple[str, int] | None] = Variable(
     f"none (compose: `127.0.0.1:{METRICS_PORT}`)",
 )
 LOG_LEVEL = choice("LASERBOT_LOG_LEVEL", "info", LOG_LEVELS, "how much is logged")
+LOG_FORMAT = choice(
+    "LASERBOT_LOG_FORMAT", "text", ("text", "json"), "lines of log for people, or [for programs](monitoring.md#logs)"
+)
 
 # ROS's own; a robot takes the default from its master's name
 ROS_MASTER_URI: Variable[str] = Variable(

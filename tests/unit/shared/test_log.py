@@ -1,5 +1,6 @@
 """The log: one line per event, also when rospy has lost a connection."""
 
+import json
 import logging
 import traceback
 from collections.abc import Iterator
@@ -99,3 +100,25 @@ def test_what_fails_again_and_again_is_told_without_its_traceback(capsys, monkey
     told = capsys.readouterr().err
     assert told.count("Traceback") <= 21
     assert len(told) < 9_000 / 128 * 150 + 20_000, "bytes: 150 a second, and the first ones whole"
+
+
+def test_a_program_can_read_each_line_and_which_battle_and_robot_it_is_about(capsys, monkeypatch):
+    monkeypatch.setenv("LASERBOT_LOG_FORMAT", "json")
+    configure_logging("info", robot=3)
+    about = {"event": "HitCounted", "battle": 7, "robot": 1}
+    logging.getLogger("server.game.loop").info("a\nhit", extra={"fields": about})
+    try:
+        raise ValueError("a\nb")
+    except ValueError:
+        logging.getLogger("any.logger").exception("failed")
+    hit, failure = map(json.loads, capsys.readouterr().err.splitlines())
+    assert hit.items() >= {"level": "info", "logger": "server.game.loop", "message": r"a\nhit", **about}.items()
+    assert failure["robot"] == 3
+    assert "ValueError" in failure["traceback"]
+
+
+def test_an_unknown_format_ends_the_program_with_a_word(capsys, monkeypatch):
+    monkeypatch.setenv("LASERBOT_LOG_FORMAT", "xml")
+    with pytest.raises(SystemExit, match="2"):
+        configure_logging("info")
+    assert "LASERBOT_LOG_FORMAT=xml: must be one of text, json" in capsys.readouterr().err
