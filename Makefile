@@ -1,5 +1,5 @@
 # The commands of LaserBot Battle. Each first installs and builds what it needs.
-.PHONY: help demo test test-all lint bench setup clean
+.PHONY: help demo test test-all lint bench scale setup clean
 
 help:
 	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser'
@@ -7,6 +7,7 @@ help:
 	@echo 'make test-all                  everything, the slow tests included: before a release'
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
+	@echo 'make scale [N="8 100"] [SECONDS=20]  how many players one master carries'
 	@echo 'make images                    the container images; PUSH=host:port, ARCHIVE=file, PLATFORM=linux/arm/v7'
 	@echo 'make fleet [HOSTS=3]           a master and robots as real hosts, deployed over SSH; make fleet-down removes them'
 	@echo 'make fleet-faults              reboots, cuts and kills in that fleet; prints how long it takes to recover'
@@ -34,6 +35,13 @@ lint:
 bench:
 	@ci/setup test
 	@exec ci/bench
+
+N ?= 8 32 64 100 128
+SECONDS ?= 20
+
+scale:
+	@ci/setup test
+	@exec ci/scale --players $(N) --seconds '$(SECONDS)'
 
 setup:
 	@ci/setup test

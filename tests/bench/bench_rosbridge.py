@@ -166,13 +166,15 @@ def our_rosbridge() -> Iterator[Server]:
             master.stop()
 
 
-def figures_of(cpu: float, sent: list[list[float]], arrived: list[list[tuple[float, int]]]) -> Figures:
-    """`sent` has the times by number for each stream, `arrived` the times with numbers modulo NUMBERS."""
+def figures_of(
+    cpu: float, sent: list[list[float]], arrived: list[list[tuple[float, int]]], numbers: int = NUMBERS
+) -> Figures:
+    """`sent` has the times by number for each stream, `arrived` the times with the numbers modulo `numbers`."""
     latencies = []
     for there, here in zip(sent, arrived, strict=True):
         number = 0
         for moment, remainder in here:
-            number += (remainder - number) % NUMBERS
+            number += (remainder - number) % numbers
             latencies.append(moment - there[number])
     moments = [moment for here in arrived for moment, _ in here]
     count, total = len(moments), sum(map(len, sent))

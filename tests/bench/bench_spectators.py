@@ -10,6 +10,7 @@ import selectors
 import statistics
 import threading
 import time
+from collections.abc import Sequence
 from pathlib import Path
 from urllib.parse import urlsplit
 
@@ -68,15 +69,24 @@ class Guests:
 
     def watch(self, count: int) -> None:
         """Until there are `count` of them."""
+        self.come([("", "")] * count)
+
+    def come(self, visitors: Sequence[tuple[str, str]]) -> None:
+        """These, by their address and cookie ("": any, none), instead of those who were here."""
         self.close()
         self._over.clear()
-        for _ in range(count):
-            client = BareClient(self._port, host=self._host)
+        for address, cookie in visitors:
+            headers = {"Cookie": cookie} if cookie else None
+            client = BareClient(self._port, headers, host=self._host, source=address)
             client.say(**self._subscription)  # type: ignore[arg-type]
             self._clients.append(client)
             self._selector.register(client.socket, selectors.EVENT_READ)
         self._thread = threading.Thread(target=self._read)
         self._thread.start()
+
+    def is_complete(self) -> bool:
+        """Whether rosbridge has sent none of them away."""
+        return self._thread is not None and self._thread.is_alive()
 
     def heard(self) -> int:
         """Bytes, since they were asked last."""

@@ -36,6 +36,11 @@ class Remote:
         self._process.start()
         self.result()
 
+    @property
+    def pid(self) -> int:
+        assert self._process.pid is not None
+        return self._process.pid
+
     def start(self, method: str, *arguments: Any) -> None:
         """Call `method`; `result` waits for it."""
         self._pipe.send((method, arguments))

@@ -36,11 +36,18 @@ def text_of(op: str, **fields: Any) -> bytes:
 class BareClient:
     """Connects and shakes hands at once. Nothing is answered by itself, no ping either.
 
-    `receive_buffer` is the size of the kernel's (bytes): a small one is full soon when nobody reads.
+    `receive_buffer` is the size of the kernel's (bytes): a small one is full soon when nobody reads. `source` is the
+    address that it comes from.
     """
 
     def __init__(
-        self, port: int, headers: Mapping[str, str] | None = None, *, host: str = "127.0.0.1", receive_buffer: int = 0
+        self,
+        port: int,
+        headers: Mapping[str, str] | None = None,
+        *,
+        host: str = "127.0.0.1",
+        receive_buffer: int = 0,
+        source: str = "",
     ) -> None:
         self.socket = socket.socket()
         try:
@@ -48,6 +55,8 @@ class BareClient:
                 self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
             self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self.socket.settimeout(10)
+            if source:
+                self.socket.bind((source, 0))
             self.socket.connect((host, port))
             self._received = bytearray()
             self._shake_hands(f"{host}:{port}", headers or {})

@@ -40,6 +40,7 @@ class RosMaster:
 
     @property
     def pid(self) -> int:
+        """Of its process, while it runs."""
         assert self._program
         return self._program.process.pid
 
