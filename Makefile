@@ -1,5 +1,5 @@
 # The commands of LaserBot Battle. Each first installs and builds what it needs.
-.PHONY: help demo test test-all lint bench scale setup clean
+.PHONY: help demo test test-all lint bench scale soak setup clean
 
 help:
 	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser'
@@ -8,6 +8,7 @@ help:
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
 	@echo 'make scale [N="8 100"] [SECONDS=20]  how many players one master carries'
+	@echo 'make soak [MINUTES=30] [SEED=7]  a long evening, in which parts fail at random'
 	@echo 'make images                    the container images; PUSH=host:port, ARCHIVE=file, PLATFORM=linux/arm/v7'
 	@echo 'make fleet [HOSTS=3]           a master and robots as real hosts, deployed over SSH; make fleet-down removes them'
 	@echo 'make fleet-faults              reboots, cuts and kills in that fleet; prints how long it takes to recover'
@@ -42,6 +43,12 @@ SECONDS ?= 20
 scale:
 	@ci/setup test
 	@exec ci/scale --players $(N) --seconds '$(SECONDS)'
+
+MINUTES ?= 30
+
+soak:
+	@ci/setup test
+	@exec ci/soak --minutes '$(MINUTES)' $(if $(SEED),--seed '$(SEED)')
 
 setup:
 	@ci/setup test

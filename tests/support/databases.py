@@ -11,11 +11,11 @@ from server.game.events import Recorded, from_json
 from server.store import schema
 
 
-def rows(url: URL, table: str) -> list[tuple[Any, ...]]:
+def rows(url: URL, table: str) -> list[Any]:
     """All of a table, in the order of its first column."""
     source = schema.metadata.tables[table]
     with create_engine(url, poolclass=NullPool).connect() as connection:
-        return [tuple(row) for row in connection.execute(select(source).order_by(source.columns[0]))]
+        return list(connection.execute(select(source).order_by(source.columns[0])))
 
 
 def events(url: URL) -> list[Recorded]:
