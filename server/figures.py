@@ -93,5 +93,7 @@ def _robots(known: Iterable[Mapping[str, Any]], reports: Mapping[int, Report | N
     for sources, readings in ((heard, OF_THE_PI), (boards, OF_THE_BOARD + COUNTED_BY_THE_BOARD)):
         for reading in readings:
             values = {of: source[reading.field] * reading.scale for of, source in sources.items()}
-            known_values = {of: v for of, v in values.items() if v or reading.kind is CounterMetricFamily}
+            known_values: dict[tuple[str, ...], float] = {
+                of: v for of, v in values.items() if v or reading.kind is CounterMetricFamily
+            }
             yield labelled(reading.kind, f"laserbot_robot_{reading.name}", reading.text, ["robot"], known_values)

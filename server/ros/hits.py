@@ -26,7 +26,9 @@ class Hits(RobotTopics):
         super().__init__()
         self._game = game
         self._lock = threading.Lock()
-        self._told = Counter({(light, counts): 0 for light in ("plain", "coded") for counts in ("yes", "no")})
+        self._told: Counter[tuple[str, ...]] = Counter(
+            {(light, counts): 0 for light in ("plain", "coded") for counts in ("yes", "no")}
+        )
         listen = partial(rospy.Subscriber, SHOTS, Shot, self._shot, tcp_nodelay=True)
         self._shots = RobotTopic(listen, time.monotonic())
 

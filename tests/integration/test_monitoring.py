@@ -142,8 +142,9 @@ def test_a_program_that_waits_for_the_referee_is_healthy_but_not_ready(watched: 
 
 
 def test_the_alerts_come_when_they_should_and_say_what_to_do() -> None:
-    command = [unpacked("promtool") / "usr/bin/promtool", "test", "rules", ROOT / "monitoring/rules_test.yml"]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    promtool = unpacked("promtool") / "usr/bin/promtool"
+    rules = ROOT / "monitoring/rules_test.yml"
+    result = subprocess.run([promtool, "test", "rules", rules], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stdout + result.stderr
     for group in yaml.safe_load((ROOT / "monitoring/rules.yml").read_text())["groups"]:
         for rule in group["rules"]:
@@ -151,9 +152,11 @@ def test_the_alerts_come_when_they_should_and_say_what_to_do() -> None:
 
 
 def test_prometheus_and_alertmanager_take_their_configuration() -> None:
+    promtool = unpacked("promtool") / "usr/bin/promtool"
+    amtool = unpacked("prometheus-alertmanager") / "usr/bin/amtool"
     for command in (
-        [unpacked("promtool") / "usr/bin/promtool", "check", "config", ROOT / "monitoring/prometheus.yml"],
-        [unpacked("prometheus-alertmanager") / "usr/bin/amtool", "check-config", ROOT / "monitoring/alertmanager.yml"],
+        f"{promtool} check config {ROOT / 'monitoring/prometheus.yml'}",
+        f"{amtool} check-config {ROOT / 'monitoring/alertmanager.yml'}",
     ):
-        result = subprocess.run(command, capture_output=True, text=True, check=False)
+        result = subprocess.run(command.split(), capture_output=True, text=True, check=False)
         assert result.returncode == 0, result.stdout + result.stderr
