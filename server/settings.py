@@ -29,6 +29,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.DATABASE,
     variables.ARENA_NAME,
     variables.ROSTER,
+    variables.JOURNAL,
     variables.METRICS,
     variables.LOG_LEVEL,
     variables.LOG_FORMAT,
@@ -52,12 +53,14 @@ class Settings:
     roster: Mapping[str, int]  # IDs that the operator fixed, by the robots' ROS names
     rules: Rules
     operator_token: str  # empty: nobody is an operator
+    journal: Path | None  # folder of systemd's journals that operators may read
 
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:
         """Read `environ`. SettingsError for an impossible value."""
         data = _expanded(variables.DATA.read(environ))
         database, arena = database_url(environ), variables.ARENA_NAME.read(environ)
+        journal = variables.JOURNAL.read(environ)
         return cls(
             node=NodeSettings.from_env(environ, variables.WEB),
             rosbridge_port=variables.ROSBRIDGE.read(environ),
@@ -70,6 +73,7 @@ class Settings:
             roster=variables.ROSTER.read(environ),
             rules=Rules(**{name: variable.read(environ) for name, variable in DECLARED.items()}),
             operator_token=read_operator_token(environ),
+            journal=Path(journal) if journal else None,
         )
 
 

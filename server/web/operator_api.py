@@ -18,6 +18,7 @@ from laser_bot_battle.names import VERSION, operator_ticket
 from server.game import desk
 from server.game.loop import GameLoop
 from server.health import RobotsHealth
+from server.journal import Journals, NothingToReadError
 from server.settings import Settings
 from server.store.database import AwayError, Database
 from server.store.log import EventLog, as_csv, as_json
@@ -26,6 +27,7 @@ from server.web.visitors import visitor_address
 
 PREFIX = "/operator/api/"
 MAX_BODY = 256 * 1024  # bytes; the longest honest one is a list of words
+JOURNAL_LINES = 200
 NO_TOKEN = "no operator token is set: start the server with LASERBOT_OPERATOR_TOKEN"
 
 _log = logging.getLogger(__name__)
@@ -49,6 +51,7 @@ def create_operator_api(
     api = Blueprint("operator_api", __name__, url_prefix="/operator/api")
     _add_guard(api, access)
     _add_views(api, game, settings, database=database, log=log, health=health)
+    _add_journal(api, Journals(settings.journal) if settings.journal else None)
     _add_decisions(api, game)
     _add_identify(api, game, identify)
     return api
@@ -112,6 +115,7 @@ def _add_views(
             versions={**versions, "database": database.version},
             operator=g.operator,
             log=log.latest(),
+            has_journal=settings.journal is not None,
         )
 
     @api.get("/drive")
@@ -142,6 +146,19 @@ def _add_views(
         response = Response((as_json if ending == "json" else as_csv)(entries), content_type=content_type)
         response.headers["Content-Disposition"] = f"attachment; filename=laserbot-log.{ending}"
         return response
+
+
+def _add_journal(api: Blueprint, journals: Journals | None) -> None:
+    @api.get("/journal")
+    def journal() -> Response:
+        if journals is None:
+            return refusal(404, "this server reads no journals: set LASERBOT_JOURNAL")
+        only_warnings = request.args.get("only", "") == "warnings"
+        try:
+            lines = journals.newest(JOURNAL_LINES, request.args.get("host", ""), only_warnings=only_warnings)
+            return jsonify(hosts=journals.hosts(), lines=[line._asdict() for line in lines])
+        except NothingToReadError as error:
+            return refusal(503, str(error))
 
 
 def _add_decisions(api: Blueprint, game: GameLoop) -> None:

@@ -1,5 +1,6 @@
 """The operator's desk in a real browser, on the whole chain: what is pressed there, and what players then see."""
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from playwright.sync_api import Browser, Locator, Page, expect
 from tests.browser.axe import looks, violations
 from tests.browser.people import Person
 from tests.support.battle import Battle
+from tests.support.journals import KERNEL, from_container, write_journal
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
@@ -18,8 +20,15 @@ PHONES = {"upright": (375, 812), "sideways": (812, 375)}
 
 
 @pytest.fixture(scope="module")
-def battle() -> Iterator[Battle]:
-    with Battle(robots=2, LASERBOT_COUNTDOWN="2", LASERBOT_OPERATOR_TOKEN=TOKEN) as running:
+def journal(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return tmp_path_factory.mktemp("journal")
+
+
+@pytest.fixture(scope="module")
+def battle(journal: Path) -> Iterator[Battle]:
+    with Battle(
+        robots=2, LASERBOT_COUNTDOWN="2", LASERBOT_OPERATOR_TOKEN=TOKEN, LASERBOT_JOURNAL=str(journal)
+    ) as running:
         yield running
 
 
@@ -265,6 +274,21 @@ def test_the_whole_log_can_be_taken_home(desk: Page) -> None:
     with desk.expect_download() as download:
         desk.get_by_role("link", name="log.csv").click()
     assert "Berta" in Path(download.value.path()).read_text()
+
+
+def test_the_logs_of_all_hosts_are_shown_once_somebody_opens_them(desk: Page, journal: Path, screenshots: Path) -> None:
+    logs = desk.get_by_role("region", name="Logs of all hosts")
+    logs.get_by_text("Show the newest lines").click()
+    expect(logs).to_contain_text(f"no journal in {journal} can be read")
+    write_journal(journal, "raspberrypi1", [from_container("laserbot-robot", "<b>ready</b>"), KERNEL])
+    write_journal(journal, "raspberrypi2", [from_container("laserbot-robot", "ready, too")])
+    expect(logs.get_by_role("listitem")).to_have_count(3)
+    logs.get_by_label("only warnings").check()
+    expect(logs.get_by_role("listitem")).to_have_text([re.compile("raspberrypi1 kernel.*Under-voltage")])
+    logs.get_by_label("only warnings").uncheck()
+    logs.get_by_role("combobox").select_option("raspberrypi1")
+    expect(logs.get_by_role("listitem")).to_contain_text(["Under-voltage", "<b>ready</b>"])
+    logs.screenshot(path=screenshots / "operator-logs.png")
 
 
 def test_everybody_can_use_the_desk_in_german_too(chromium: Browser, battle: Battle, screenshots: Path) -> None:

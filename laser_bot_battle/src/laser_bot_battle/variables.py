@@ -302,6 +302,12 @@ PRIORITY: Variable[int] = Variable(
     lowest=0,
     highest=99,
 )
+JOURNAL = words(
+    "LASERBOT_JOURNAL",
+    "",
+    "folder of systemd's journals, such as `/var/log/journal`, whose newest lines [the desk](operator.md) shows; by Ansible "
+    "it has the logs of all hosts; not with compose",
+)
 METRICS: Variable[tuple[str, int] | None] = Variable(
     "LASERBOT_METRICS",
     None,

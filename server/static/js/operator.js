@@ -4,6 +4,7 @@ import * as api from "./operator_api.js";
 import * as dialogs from "./dialogs.js";
 import { RulesForm, WordsForm } from "./operator_forms.js";
 import { Cameras } from "./operator_cameras.js";
+import { Journal } from "./operator_journal.js";
 import { TestDrive } from "./operator_drive.js";
 import { INTERVAL, Poll } from "./operator_poll.js";
 import * as view from "./operator_view.js";
@@ -17,6 +18,7 @@ const rules = new RulesForm((name) => act(() => api.setRules({ [name]: null }), 
 const words = new WordsForm();
 const drive = new TestDrive();
 const cameras = new Cameras();
+const journal = new Journal();
 
 const poll = new Poll({
   ask: api.state,
@@ -26,6 +28,7 @@ const poll = new Poll({
     view.showState(state, on);
     rules.show(state.rules);
     words.show(state.names.words);
+    journal.show(state.has_journal);
     const driven = state.robots.find(({ id }) => id === drive.robot);
     if (!driven || driven.in_service) drive.stop();
   },
@@ -114,6 +117,7 @@ addEventListener("pageshow", (event) => event.persisted && location.reload());
 
 connectPreferences();
 cameras.start();
+journal.start();
 
 const tick = () => poll.tick(document.hidden);
 document.addEventListener("visibilitychange", tick);

@@ -40,6 +40,7 @@ function errorIn(text) {
 export const state = () => call("GET", "state");
 export const drive = () => call("GET", "drive");
 export const camera = () => call("GET", "camera");
+export const journal = (host, only) => call("GET", `journal?${new URLSearchParams({ host, only })}`);
 export const battle = (order) => call("POST", "battle", order);
 export const signOut = (name) => call("POST", `players/${encodeURIComponent(name)}/sign_out`, {});
 export const names = (change) => call("POST", "names", change);

@@ -23,6 +23,7 @@ from server.web.app import create_app
 from server.web.operator import create_operator
 from server.web.operator_access import MAX_SESSIONS, SESSION_LIFE, Access
 from server.web.operator_api import create_operator_api
+from tests.support.journals import KERNEL, from_container, write_journal
 from tests.support.linked import add_linked_robot
 from tests.support.polling import until
 
@@ -526,6 +527,7 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     state = site.operator().get("/operator/api/state").json
     assert state.keys() == {
         "time", "game", "robots", "players", "queue", "rules", "names", "database", "versions", "operator", "log",
+        "has_journal",
     }  # fmt: skip
     assert state["game"].keys() == {"state", "paused", "time_left", "battle", "notice", "message"}
     assert state["robots"][0].keys() >= {
@@ -635,6 +637,26 @@ def test_a_ticket_for_a_test_drive_or_the_cameras_is_good_for_seconds(site: Site
 
 BOARD = {"major": 1, "minor": 0, "mode": 0, "supply": 4950, "deaf": False}
 HEALTHY = {"cpu": 0.2, "temperature": 48.5, "wifi": -55, "under_voltage": False, "board": BOARD}
+
+
+def test_the_logs_of_all_hosts_are_shown_where_there_are_any(site: Site, tmp_path: Path) -> None:
+    assert not site.operator().get("/operator/api/state").get_json()["has_journal"]
+    assert site.operator().get("/operator/api/journal").status_code == 404
+    journal = tmp_path / "journal"
+    desk = Site(tmp_path, LASERBOT_JOURNAL=str(journal)).operator()
+    assert desk.get("/operator/api/state").get_json()["has_journal"]
+    assert desk.get("/operator/api/journal").status_code == 503
+    write_journal(journal, "raspberrypi1", [from_container("laserbot-robot", "ready"), KERNEL])
+    write_journal(journal, "raspberrypi2", [from_container("laserbot-robot", "ready, too")])
+
+    def told(query: str = "") -> list[str]:
+        answer = desk.get(f"/operator/api/journal?{query}").get_json()
+        assert answer["hosts"] == ["raspberrypi1", "raspberrypi2"]
+        return sorted(line["text"] for line in answer["lines"])
+
+    assert told() == ["Under-voltage detected!", "ready", "ready, too"]
+    assert told("only=warnings") == ["Under-voltage detected!"]
+    assert told("host=raspberrypi2") == ["ready, too"]
 
 
 def test_how_robots_are_is_shown_with_what_needs_a_hand(site: Site) -> None:
