@@ -31,7 +31,6 @@ def left_over(url: URL) -> list[str]:
     """Rows that nothing needs, in words."""
     known = {battle.id for battle in rows(url, "battles")}
     found = {
-        "states of the game beside the newest": len(rows(url, "state")) - 1,
         "battles without an end": sum(battle.ended is None for battle in rows(url, "battles")),
         "fighters without a place": sum(fighter.place is None for fighter in rows(url, "fighters")),
         **{

@@ -47,7 +47,6 @@ def test_a_result_that_its_events_do_not_lead_to_is_found(url):
         ("UPDATE battles SET ended = NULL", "1 battles without an end"),
         ("UPDATE fighters SET place = NULL", "2 fighters without a place"),
         ("INSERT INTO tracks (battle, data) VALUES (7, '[]')", "1 tracks of no battle"),
-        ("INSERT INTO state (id, at, data) VALUES (2, 0, '{}')", "1 states of the game beside the newest"),
     ],
 )
 def test_a_row_that_nothing_needs_is_found(url, statement, found):
