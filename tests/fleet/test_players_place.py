@@ -9,6 +9,7 @@ import requests
 from websockets.sync.client import connect
 
 from fleet import Machine
+from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal, ask_from
 
 OPEN = {"master": {80, 443, 5000, 9090, 9091}, "robots": set()}
@@ -72,6 +73,29 @@ def test_the_robots_reach_the_ros_master_and_the_registry(rehearsal: Rehearsal) 
         for port in (5000, 5443, 11311):
             connect = f"import socket;socket.create_connection(('laser_bot_master.local',{port}),5)"
             robot.run(f'python3 -c "{connect}"')
+
+
+CALL = """
+import socket
+calls = []
+for _ in range(150):
+    calls.append(socket.socket())
+    if calls[-1].connect_ex(({address!r}, 11311)):
+        break
+print(len(calls), flush=True)
+"""
+CALL_ONCE = "import socket; socket.create_connection(({address!r}, 11311), 5)"
+
+
+def test_a_robot_that_calls_the_ros_master_without_end_leaves_room_for_others(rehearsal: Rehearsal) -> None:
+    mad, other = rehearsal.robots[:2]
+    calls = CALL.format(address=rehearsal.master.address)
+    held = f"python3 -c {shlex.quote(calls + 'import time; time.sleep(20)')} >/tmp/calls 2>&1 & echo $!"
+    process = mad.run(held).strip()
+    until(lambda: mad.run("cat /tmp/calls").strip(), 20, "it has called")
+    assert 50 < int(mad.run("cat /tmp/calls")) <= 101
+    other.run(f"python3 -c {shlex.quote(CALL_ONCE.format(address=rehearsal.master.address))}")
+    mad.run(f"kill {process}; rm /tmp/calls")
 
 
 def test_the_master_reaches_a_robots_nodes_and_other_robots_do_not(rehearsal: Rehearsal) -> None:
