@@ -23,7 +23,7 @@ BOM = {
             "name": name,
             "version": version,
         }
-        for name, version in (("openssl", "3.5.1-1"), ("dash", "0.5.12-12"))
+        for name, version in (("openssl", "3.5.1-1"), ("dash", "0.5.12-12"), ("golang-1.24", "1.24.1-1"))
     ],
     "dependencies": [],
 }
@@ -35,8 +35,21 @@ TRACKER = {
             "CVE-2026-0002": {"status": "resolved", "fixed_version": "3.5.0-1"},
             "CVE-2026-0003": {"status": "open"},
         }.items()
-    }
+    },
+    "golang-1.24": {
+        "CVE-2026-0004": {
+            "description": "",
+            "releases": {
+                "trixie": {"urgency": "low", "repositories": {}, "status": "resolved", "fixed_version": "1.24.9-1"}
+            },
+        }
+    },
 }
+# golang-1.24 is only linked into one of them
+LOCK = """\
+amd64 pool/main/d/dash/dash_0.5.12-12_amd64.deb 0 1
+amd64 pool/main/o/openssl/libssl3t64_3.5.1-1_amd64.deb 0 1
+"""
 NPM = {"vulnerabilities": {"ws": {"name": "ws", "via": [{"url": "https://github.com/advisories/GHSA-aaaa"}, "x"]}}}
 PIP = {"dependencies": [{"name": "flask", "version": "1", "vulns": [{"id": "PYSEC-2026-1", "fix_versions": ["2"]}]}]}
 
@@ -44,10 +57,11 @@ PIP = {"dependencies": [{"name": "flask", "version": "1", "vulns": [{"id": "PYSE
 @pytest.fixture
 def project(tmp_path: Path) -> Path:
     """A project with one old package of each kind, and tools that know it; Debian's is the real one."""
-    for folder in ("ci", "build/sbom", ".venv/bin", ".venv/lib/python3.11/site-packages"):
+    for folder in ("ci", "images", "build/sbom", ".venv/bin", ".venv/lib/python3.11/site-packages"):
         (tmp_path / folder).mkdir(parents=True)
     shutil.copy(ROOT / "ci/audit", tmp_path / "ci")
     accept(tmp_path)
+    (tmp_path / "images/webserver.lock").write_text(LOCK)
     (tmp_path / "build/sbom/webserver.cdx.json").write_text(json.dumps(BOM))
     (tmp_path / "tracker.json").write_text(json.dumps(TRACKER))
     (tmp_path / ".venv/bin/debsbom").symlink_to(ROOT / ".venv/bin/debsbom")
