@@ -4,7 +4,7 @@ variable "REVISION" { default = "" }
 variable "SOURCE" { default = "" }
 variable "SOURCE_DATE_EPOCH" { default = "0" }
 
-group "default" { targets = ["webserver", "rosberry", "sim"] }
+group "default" { targets = ["webserver", "rosberry", "sim", "monitoring"] }
 
 target "image" {
   context    = "."
@@ -50,4 +50,14 @@ target "sim" {
   labels    = { "org.opencontainers.image.title" = "LaserBot Battle: virtual robots and their arena" }
   platforms = ["linux/amd64", "linux/arm64", "linux/arm/v7"]
   tags      = ["sim:${VERSION}"]
+}
+
+# Prometheus and Alertmanager beside a master
+target "monitoring" {
+  inherits  = ["image"]
+  target    = "monitoring"
+  args      = { IMAGE = "monitoring" }
+  labels    = { "org.opencontainers.image.title" = "LaserBot Battle: Prometheus and Alertmanager" }
+  platforms = ["linux/amd64", "linux/arm64"]
+  tags      = ["monitoring:${VERSION}"]
 }

@@ -9,7 +9,13 @@ import pytest
 
 from tests.support.programs import ROOT
 
-IMAGES = ("webserver-linux_amd64", "webserver-linux_arm64", "rosberry-linux_arm_v7", "sim-linux_amd64")
+IMAGES = (
+    "webserver-linux_amd64",
+    "webserver-linux_arm64",
+    "rosberry-linux_arm_v7",
+    "sim-linux_amd64",
+    "monitoring-linux_amd64",
+)
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from functools import cache
 
 from tests.support.programs import ROOT
 
-IMAGES = ("webserver", "rosberry", "sim")
+IMAGES = ("webserver", "rosberry", "sim", "monitoring")
 
 
 @dataclass
