@@ -1,4 +1,4 @@
-"""The profiles master and robot of compose.yaml, each on a machine of its own: a battle without any typed address.
+"""The profiles master, monitoring and robot of compose.yaml: a battle without any typed address, and who watches it.
 
 A machine is a container that only holds the network and the host name; what compose would start on the host's network
 starts on that one.
@@ -10,7 +10,7 @@ import subprocess
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
 import pytest
 import requests
@@ -32,9 +32,9 @@ ADDRESSES = {"LASERBOT_MASTER", "ROS_MASTER_URI", "ROS_IP", "ROS_HOSTNAME"}
 
 
 class Machine:
-    """Runs `docker compose --profile PROFILE up` with these settings; a context manager that ends it."""
+    """Runs `docker compose up` for profiles, words, with these settings; a context manager that ends it."""
 
-    def __init__(self, name: str, network: str, profile: str, folder: Path, version: str, **settings: str) -> None:
+    def __init__(self, name: str, network: str, profiles: str, folder: Path, version: str, **settings: str) -> None:
         self._holder = docker(
             "run", "--detach", f"--hostname={name}", f"--network={network}", f"webserver:{version}", "sleep", "infinity"
         ).strip()
@@ -44,14 +44,15 @@ class Machine:
         hosts = {
             service: {"network_mode": f"container:{self._holder}"}
             for service, description in SERVICES.items()
-            if description["profiles"] == [profile]
+            if description["profiles"][0] in profiles.split()
         }
         assert all(SERVICES[service]["network_mode"] == "host" for service in hosts)
         override = folder / f"{name}.yaml"
         override.write_text(json.dumps({"services": hosts}))  # JSON is YAML
         self._services = set(hosts)
         self._options = ["--env-file=/dev/null", f"--project-name=laserbot-{name}-{os.getpid()}"]
-        self._options += [f"--profile={profile}", "--file", str(ROOT / "compose.yaml"), "--file", str(override)]
+        self._options += [f"--profile={profile}" for profile in profiles.split()]
+        self._options += ["--file", str(ROOT / "compose.yaml"), "--file", str(override)]
         outside = {name: value for name, value in os.environ.items() if name not in ADDRESSES}
         self._environment: Mapping[str, str] = {**outside, "LASERBOT_VERSION": version, **settings}
 
@@ -70,6 +71,11 @@ class Machine:
             until(healthy, 90, f"{self._services} are healthy")
         except AssertionError as error:
             raise AssertionError(f"{error}\n{self.compose('logs')}") from None
+
+    def read(self, url: str) -> Any:
+        """The JSON that a program on this machine gives only to those on it."""
+        ask = f"from urllib.request import urlopen; print(urlopen('{url}', timeout=10).read().decode())"
+        return json.loads(docker("exec", self._holder, "python3", "-c", ask))
 
     def __enter__(self) -> Self:
         try:
@@ -163,3 +169,29 @@ def test_robots_find_the_master_and_a_battle_is_played(
             assert (ann.robot, bob.robot) == (1, 2)
             start(ann, bob)
             assert shoot_to_the_end(ann, bob, eyes) == [100, 60, 20, 0]
+
+
+@pytest.mark.usefixtures("avahi_folder")
+def test_a_program_that_stops_is_an_alert(version: str, network: str, tmp_path: Path) -> None:
+    with Machine("hall", network, "master monitoring", tmp_path, version) as hall:
+
+        def up() -> dict[str, str]:
+            answer = hall.read("http://127.0.0.1:9210/api/v1/query?query=up")
+            return {series["metric"]["program"]: series["value"][1] for series in answer["data"]["result"]}
+
+        def alerts() -> list[str]:
+            return [alert["annotations"]["summary"] for alert in hall.read("http://127.0.0.1:9211/api/v2/alerts")]
+
+        hall.wait_until_healthy()
+        until(lambda: up() == {"web": "1", "rosbridge": "1", "relay": "1"}, 30, "Prometheus has asked all of them")
+        hall.compose("stop", "camera-relay")
+        until(lambda: "relay does not answer." in alerts(), 90, "Alertmanager has heard of it")
+
+
+def test_alertmanager_takes_a_file_of_the_operators(version: str, network: str, tmp_path: Path) -> None:
+    own = tmp_path / "own.yml"
+    own.write_text((ROOT / "monitoring/alertmanager.yml").read_text().replace("operators", "my_phone"))
+    with Machine("hall", network, "monitoring", tmp_path, version, LASERBOT_ALERTMANAGER=str(own)) as hall:
+        hall.wait_until_healthy()
+        status = hall.read("http://127.0.0.1:9211/api/v2/status")
+        assert "my_phone" in status["config"]["original"]

@@ -316,6 +316,11 @@ METRICS: Variable[tuple[str, int] | None] = Variable(
     _address,
     f"none (compose: `127.0.0.1:{METRICS_PORT}`)",
 )
+ALERTMANAGER = words(
+    "LASERBOT_ALERTMANAGER",
+    "",
+    "a file of your own that tells compose's [Alertmanager](monitoring.md) whom to tell, by an absolute path",
+)
 LOG_LEVEL = choice("LASERBOT_LOG_LEVEL", "info", LOG_LEVELS, "how much is logged")
 LOG_FORMAT = choice(
     "LASERBOT_LOG_FORMAT", "text", ("text", "json"), "lines of log for people, or [for programs](monitoring.md#logs)"
