@@ -45,6 +45,7 @@ class Machine:
     platform: str = ""  # the image's, where it is not the host's own
     camera: bool = False  # whether the robot has one
     tls: bool = False  # whether the master's front has a certificate
+    monitoring: bool = False  # whether Prometheus watches the master
     arena: str = "laser-bot-master"  # the name by which the master announces itself
     open_ports: tuple[int, ...] = ()  # that the operator has opened besides the game's
     checked: bool = True  # whether the operator asks for checks of it

@@ -3,6 +3,7 @@
 import json
 import re
 import shlex
+from typing import Any
 
 import pytest
 
@@ -72,6 +73,23 @@ def test_the_game_is_at_one_address(master: Machine) -> None:
         f"print(r.urlopen('http://{master.address}/',timeout=5,context=ssl._create_unverified_context()).url)"
     )
     assert master.run(f'python3 -c "{ask}"').startswith(f"{kind}://{master.address}/")
+
+
+def test_prometheus_sees_the_masters_programs(master: Machine) -> None:
+    if not master.monitoring:
+        pytest.skip("nobody watches this master")
+
+    ask = "import urllib.request as r;print(r.urlopen('http://127.0.0.1:{}',timeout=5).read().decode())"
+
+    def answer(place: str) -> Any:
+        return json.loads(master.run(f'python3 -c "{ask.format(place)}"'))
+
+    def up() -> dict[str, str]:
+        series = answer("9210/api/v1/query?query=up")["data"]["result"]
+        return {each["metric"]["program"]: each["value"][1] for each in series}
+
+    until(lambda: up() == dict.fromkeys(("web", "rosbridge", "relay"), "1"), 30, "all programs are up")
+    assert answer("9211/api/v2/status")["config"], "Alertmanager answers"
 
 
 def test_the_master_has_the_robots_logs(fleet: Fleet, robot: Machine) -> None:

@@ -10,9 +10,11 @@ import pytest
 from websockets.sync.client import connect
 
 from fleet import Machine
+from tests.support.card import packages, settings
 from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
+from tests.support.programs import ROOT
 from tests.support.rehearsal import SSH, Rehearsal, docker, outside, power_off, power_on
 
 pytestmark = pytest.mark.slow
@@ -143,6 +145,26 @@ def test_changed_knobs_restart_only_what_they_concern(rehearsal: Rehearsal) -> N
         rules = [machine.run("nft list chain inet laserbot input") for machine in rehearsal.machines.values()]
         assert all(("8081" in each) == bool(variables) for each in rules)
     assert [started(machine) for machine in rehearsal.machines.values()] == before
+
+
+def test_the_master_is_watched_as_long_as_its_operator_wants(rehearsal: Rehearsal, tmp_path: Path) -> None:
+    """By Debian's Prometheus and Alertmanager, with the operator's word whom to tell; then nothing is left of them."""
+    own = tmp_path / "alertmanager.yml"
+    own.write_text((ROOT / "monitoring/alertmanager.yml").read_text().replace("operators", "my_phone"))
+    knobs = "--extra-vars=" + json.dumps({"master_monitoring": True, "master_alertmanager": str(own)})
+    master = rehearsal.master
+    before = packages(master.run), settings(master.run), started(master)
+    try:
+        assert all(row["failed"] == 0 for row in rehearsal.playbook("deploy", knobs, "--check").recap.values())
+        rehearsal.playbook("deploy", knobs)
+        assert rehearsal.playbook("deploy", knobs).changed == 0
+        checked = rehearsal.playbook("check", knobs, "--limit=laser_bot_master").output
+        assert re.search("prometheus sees the masters programs +ok", checked), checked
+        assert "my_phone" in master.run("amtool config show --alertmanager.url=http://127.0.0.1:9211")
+    finally:
+        rehearsal.playbook("deploy")
+    assert rehearsal.playbook("deploy").changed == 0
+    assert (packages(master.run), settings(master.run), started(master)) == before, "as before, and the game went on"
 
 
 def test_the_services_stop_and_start(rehearsal: Rehearsal) -> None:
