@@ -50,6 +50,16 @@ RUN_BY = {
         "docker compose --profile robot up -d": "tests/images/test_compose_lan.py"
         "::test_robots_find_the_master_and_a_battle_is_played",
     },
+    "docs/monitoring.md": {
+        "docker compose --profile master --profile monitoring up": "tests/images/test_compose_lan.py"
+        "::test_a_program_that_stops_is_an_alert",
+        "make demo": "tests/integration/test_demo.py::test_make_demo_starts_and_ctrl_c_ends_it",
+        "prometheus --config.file=monitoring/prometheus.yml --web.listen-address=127.0.0.1:9210 "
+        "--storage.tsdb.path=/var/lib/prometheus": "tests/integration/test_monitoring.py"
+        "::test_every_query_of_the_dashboard_has_an_answer",
+        "prometheus-alertmanager --config.file=monitoring/alertmanager.yml --web.listen-address=127.0.0.1:9211 "
+        "--cluster.listen-address=": "tests/images/test_compose_lan.py::test_a_program_that_stops_is_an_alert",
+    },
     "docs/rosbridge.md": {
         "ci/setup run": "Makefile::ci/setup run",
         "PYTHONPATH=build/python:$PYTHONPATH .venv/bin/python -m server.rosbridge --port 9090 --open": "tests"
