@@ -13,6 +13,7 @@ from systemd import journal
 from laser_bot_battle.log import visible
 
 _CONTAINERS = "docker.service"  # writes what its containers say
+_CHATTER = ("sshd", "sudo")  # each login has its warnings
 _WARNING = 4  # syslog's priorities: smaller is worse
 _ERROR = 3
 _LOOKED_AT = 5000  # entries for one question: more would keep the web server busy
@@ -91,16 +92,17 @@ def _line(entry: dict[str, Any]) -> Line | None:
     if not isinstance(text, str):  # bytes that are no text
         text = repr(text)
     container = entry.get("CONTAINER_NAME")
+    program = str(container or entry.get("SYSLOG_IDENTIFIER") or entry.get("_COMM", ""))
     if container:
         level, text = _ours(text)
-    elif priority <= _WARNING:
+    elif priority <= _WARNING and not program.startswith(_CHATTER):
         level = "error" if priority <= _ERROR else "warning"
     else:
         return None
     return Line(
         at=entry["__REALTIME_TIMESTAMP"].timestamp(),
         host=str(entry.get("_HOSTNAME", "")),
-        program=str(container or entry.get("SYSLOG_IDENTIFIER") or entry.get("_COMM", "")),
+        program=program,
         level=level,
         text=visible(text),
     )

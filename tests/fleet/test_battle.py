@@ -4,6 +4,7 @@ import json
 import time
 from collections.abc import Iterator
 
+import requests
 from websockets.sync.client import connect
 
 from fleet import Machine
@@ -47,6 +48,24 @@ def test_the_operator_looks_through_a_robots_camera(rehearsal: Rehearsal) -> Non
     assert any(
         heard[24:].startswith(b"\xff\xd8") for heard in look(rehearsal, token, robot) if isinstance(heard, bytes)
     )
+
+
+def test_the_operators_desk_shows_the_logs_of_all_hosts(rehearsal: Rehearsal) -> None:
+    token = rehearsal.master.run("cat /etc/laserbot/operator-token").strip()
+
+    def said(host: str) -> list[str]:
+        answer = requests.get(
+            f"{rehearsal.web}/operator/api/journal",
+            params={"host": host},
+            headers={"Authorization": f"Bearer {token}"},
+            timeout=10,
+        ).json()
+        assert answer["hosts"] == sorted(["laser-bot-master", *(robot.name for robot in rehearsal.robots)])
+        return [line["program"] for line in answer["lines"]]
+
+    assert "laserbot-web" in said("laser-bot-master")
+    for robot in rehearsal.robots:
+        assert "laserbot-robot" in said(robot.name)
 
 
 ASK = """python3 -c 'from http.client import HTTPConnection

@@ -17,11 +17,13 @@ def folder(tmp_path: Path) -> Path:
     text = "2026-11-25 10:00:00,123 WARNING robot.serial_node: the Arduino is silent"
     told = {"level": "info", "logger": "robot.camera", "message": "a camera is there"}
     chatter = {"SYSLOG_IDENTIFIER": "systemd", "PRIORITY": "6", "MESSAGE": "Started something."}
+    login = {"SYSLOG_IDENTIFIER": "sshd-session", "PRIORITY": "3", "MESSAGE": "pam_env: no file"}
     robot = [
         from_container("laserbot-robot", text),
         from_container("laserbot-camera", json.dumps(told)),
         KERNEL,
         chatter,
+        login,
     ]
     write_journal(tmp_path / "remote", "raspberrypi1", robot, NOW - 60)
     write_journal(tmp_path / "0123", "laser-bot-master", [from_container("laserbot-front", "started\x1b[31m")], NOW)
@@ -33,9 +35,9 @@ def test_all_hosts_speak_the_newest_first(folder: Path) -> None:
     assert journals.hosts() == ["laser-bot-master", "raspberrypi1"]
     assert journals.newest(10) == [
         Line(NOW, "laser-bot-master", "laserbot-front", "info", "started\\x1b[31m"),
-        Line(NOW - 61, "raspberrypi1", "kernel", "error", "Under-voltage detected!"),
-        Line(NOW - 62, "raspberrypi1", "laserbot-camera", "info", "robot.camera: a camera is there"),
-        Line(NOW - 63, "raspberrypi1", "laserbot-robot", "warning", "robot.serial_node: the Arduino is silent"),
+        Line(NOW - 62, "raspberrypi1", "kernel", "error", "Under-voltage detected!"),
+        Line(NOW - 63, "raspberrypi1", "laserbot-camera", "info", "robot.camera: a camera is there"),
+        Line(NOW - 64, "raspberrypi1", "laserbot-robot", "warning", "robot.serial_node: the Arduino is silent"),
     ]
 
 
