@@ -12,6 +12,7 @@ RATE = 50  # requests/s of one address; a page that loads asks for some 40 files
 # of one address at once; a hall's visitors may share one
 CONNECTIONS = 300
 EVERY = "0.0.0.0"
+HTTP_PORT, HTTPS_PORT = 80, 443  # that addresses need not name
 USER = "nobody"  # of nginx's workers, where the program is root's
 
 
@@ -26,7 +27,8 @@ def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
         log_level="info" if settings.log_level == "debug" else "error",
         connections=CONNECTIONS,
         rate=RATE,
-        host="127.0.0.1" if settings.bind in (EVERY, "::") else _bracketed(settings.bind),
+        host=_here(settings),
+        view_host=_bracketed(settings.view_host) if settings.view_host else _here(settings),
         ports={
             "web": settings.web_port,
             "rosbridge": settings.rosbridge_port,
@@ -35,8 +37,21 @@ def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
         },
         servers=_servers(settings),
         certificate=settings.certificate,
-        https=f"https://$host{'' if settings.https_port == 443 else f':{settings.https_port}'}$request_uri",
+        tls_ports=_tls_ports(settings),
     )
+
+
+def _here(settings: FrontSettings) -> str:
+    return "127.0.0.1" if settings.bind in (EVERY, "::") else _bracketed(settings.bind)
+
+
+def _tls_ports(settings: FrontSettings) -> dict[str, str]:
+    """The port of an https:// address for visitors whose own address has a port, and for those whose has none.
+
+    Who comes without one to a port other than 80 was led here from 80, as by a load balancer: so is 443.
+    """
+    port = "" if settings.https_port == HTTPS_PORT else f":{settings.https_port}"
+    return {"named": port, "usual": port if settings.http_port == HTTP_PORT else ""}
 
 
 def _servers(settings: FrontSettings) -> list[dict[str, Any]]:

@@ -17,6 +17,7 @@ VARIABLES = (
     variables.ROSBRIDGE,
     variables.RELAY,
     variables.VIEW,
+    variables.VIEW_HOST,
     variables.LOG_LEVEL,
     variables.LOG_FORMAT,
     variables.ALIVE_FILE,
@@ -38,7 +39,7 @@ class Certificate:
 
 @dataclass(frozen=True)
 class FrontSettings:
-    """Where visitors come, and where the programs are that answer them, on this machine."""
+    """Where visitors come, and where the programs are that answer them, on this machine but for the arena."""
 
     bind: str
     http_port: int
@@ -48,6 +49,7 @@ class FrontSettings:
     rosbridge_port: int
     relay_port: int
     view_port: int | None
+    view_host: str  # empty: this machine
     log_level: str
 
     @classmethod
@@ -62,6 +64,7 @@ class FrontSettings:
             rosbridge_port=variables.ROSBRIDGE.read(environ),
             relay_port=variables.RELAY.read(environ),
             view_port=variables.VIEW.read(environ),
+            view_host=variables.VIEW_HOST.read(environ),
             log_level=variables.LOG_LEVEL.read(environ),
         )
 

@@ -146,6 +146,12 @@ VIEW = optional_port(
     "port on the master where the player's page finds a view of the arena to show",
     "none (demo: the arena's)",
 )
+VIEW_HOST = words(
+    "LASERBOT_VIEW_HOST",
+    "",
+    "address of that view, if it is not on the machine of [the front](front.md); not with compose",
+    "the front's own",
+)
 ORIGINS: Variable[tuple[str, ...]] = Variable(
     "LASERBOT_ORIGINS",
     (),

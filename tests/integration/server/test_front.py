@@ -1,0 +1,84 @@
+"""nginx as the front runs it, where what leads to it has other ports, and where the arena is another machine's."""
+
+import subprocess
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, HTTPServer
+from pathlib import Path
+
+import pytest
+import requests
+
+from server.front.configuration import configuration
+from server.front.settings import FrontSettings
+from tests.support.polling import until
+from tests.support.ports import free_port, listening
+from tests.support.programs import Program
+
+
+@contextmanager
+def front(**variables: str) -> Iterator[str]:
+    """Its address, without TLS."""
+    port = free_port()
+    environment = {"LASERBOT_BIND": "127.0.0.1", "LASERBOT_HTTP_PORT": str(port), **variables}
+    program = Program.python("server.front", env=environment)
+    try:
+        until(lambda: listening(port), 20, "nginx listens")
+        yield f"http://127.0.0.1:{port}"
+    finally:
+        assert program.stop() == 0, program.output
+
+
+@pytest.fixture
+def certificate(tmp_path: Path) -> Path:
+    words = "openssl req -x509 -newkey rsa:2048 -nodes -keyout front.key -out front.crt -days 2 -subj /CN=arena"
+    subprocess.run(words.split(), cwd=tmp_path, check=True, capture_output=True)
+    return tmp_path
+
+
+def test_port_80_shows_the_way_by_the_ports_that_the_visitor_sees(certificate: Path) -> None:
+    https = str(free_port())
+    with front(LASERBOT_TLS=str(certificate), LASERBOT_HTTPS_PORT=https) as address:
+        for host, way in {
+            "arena.example:8000": f"https://arena.example:{https}",
+            "arena.example": "https://arena.example",  # a load balancer has led him here
+            "[fe80::1]": "https://[fe80::1]",
+            "[fe80::1]:8000": f"https://[fe80::1]:{https}",
+        }.items():
+            answer = requests.get(f"{address}/watch", headers={"Host": host}, timeout=5, allow_redirects=False)
+            assert (answer.status_code, answer.headers["Location"]) == (HTTPStatus.FOUND, f"{way}/watch")
+
+
+@pytest.mark.parametrize(
+    ("ports", "usual", "named"),
+    [
+        ({}, "", ""),
+        ({"LASERBOT_HTTPS_PORT": "8443"}, ":8443", ":8443"),  # port 80 is its own, so this is what visitors see
+        ({"LASERBOT_HTTP_PORT": "8000", "LASERBOT_HTTPS_PORT": "8443"}, "", ":8443"),
+    ],
+)
+def test_it_names_its_own_port_of_tls_to_who_sees_its_own_ports(
+    tmp_path: Path, ports: dict[str, str], usual: str, named: str
+) -> None:
+    text = configuration(FrontSettings.from_env(ports), tmp_path, is_root=False)
+    assert f'default "{usual}";\n        ~:\\d+$ "{named}";' in text
+
+
+def test_the_arena_may_be_another_machines() -> None:
+    class Arena(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            self.send_response(HTTPStatus.OK)
+            self.end_headers()
+            self.wfile.write(f"the arena's {self.path}".encode())
+
+    with HTTPServer(("127.0.0.2", 0), Arena) as arena:
+        thread = threading.Thread(target=arena.serve_forever)
+        thread.start()
+        try:
+            with front(LASERBOT_VIEW_HOST="127.0.0.2", LASERBOT_VIEW_PORT=str(arena.server_port)) as address:
+                assert requests.get(f"{address}/arena/view", timeout=5).text == "the arena's /view"
+        finally:
+            arena.shutdown()
+            thread.join()
