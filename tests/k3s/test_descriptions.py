@@ -28,7 +28,7 @@ PROGRAMS = {
 # where multicast passes
 ANNOUNCED = {"server.announcer": 1}
 TRACKED = {"sim.positions": 1}  # needs ROS, which the image of the simulator has not
-FRONT = {"server.front": 1}  # needs a port of root's; in a cluster, an Ingress stands for it
+FRONT = {"server.front": 1}  # needs a port of root's; in a cluster it is a component
 MASTER_OF_A_LAN = {"server.rosmaster": 1, "server.main": 1, "server.rosbridge": 1, "server.camera": 1, **ANNOUNCED}
 
 

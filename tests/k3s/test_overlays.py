@@ -1,5 +1,6 @@
 """What `kubectl apply -k` sends is valid, complete, in an order that works, and of the images of this version."""
 
+import itertools
 import os
 import re
 import shutil
@@ -63,7 +64,11 @@ def specs(manifests: Manifests) -> list[tuple[object, ...]]:
     ]
 
 
-OPTIONAL = [("lan", "device-plugin"), ("sim", "kept-data")]
+OPTIONAL = [
+    ("lan", "device-plugin"),
+    ("sim", "kept-data"),
+    *itertools.product(("lan", "sim"), ("front",)),
+]
 
 
 @pytest.mark.parametrize(("base", "component"), OPTIONAL)

@@ -27,21 +27,22 @@ def is_restricted(pod: Object) -> bool:
         and rights["runAsUser"] != 0
         and rights.get("seccompProfile") == {"type": "RuntimeDefault"}
         and not any(pod.get(name) for name in ("hostNetwork", "hostPID", "hostIPC"))
-        and all({"emptyDir", "persistentVolumeClaim"} & set(volume) for volume in pod["volumes"])
+        and all({"emptyDir", "persistentVolumeClaim", "secret"} & set(volume) for volume in pod["volumes"])
         and all(container["securityContext"] == NO_RIGHTS for container in pod["containers"])
     )
 
 
-@pytest.mark.parametrize("name", ["sim", "arenas"])
+@pytest.mark.parametrize("name", ["sim", "arenas", "sim+front"])
 def test_without_hardware_every_pod_is_restricted_and_the_cluster_enforces_it(name: str) -> None:
     assert level(overlay(name)) == {"restricted"}
     for pod, _ in overlay(name).containers:
         assert is_restricted(pod)
 
 
-def test_on_a_lan_the_master_has_its_hosts_network_and_nothing_else() -> None:
-    assert level(overlay("lan")) == {"privileged"}
-    pod = overlay("lan").one("Deployment", "master")["spec"]["template"]["spec"]
+@pytest.mark.parametrize("name", ["lan", "lan+front"])
+def test_on_a_lan_the_master_has_its_hosts_network_and_nothing_else(name: str) -> None:
+    assert level(overlay(name)) == {"privileged"}
+    pod = overlay(name).one("Deployment", "master")["spec"]["template"]["spec"]
     assert pod.pop("hostNetwork") is True
     try:
         assert is_restricted(pod)

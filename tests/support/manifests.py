@@ -5,6 +5,7 @@ import subprocess
 from collections.abc import Iterator, Mapping
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import yaml
@@ -64,7 +65,25 @@ class Manifests:
 
 @cache
 def overlay(name: str) -> Manifests:
-    return Manifests(ROOT / "k3s/overlays" / name)
+    """One of ours, also with components: `lan+front`."""
+    base, *components = name.split("+")
+    if not components:
+        return Manifests(ROOT / "k3s/overlays" / base)
+    with TemporaryDirectory() as folder:
+        return customized(Path(folder), base, *components)
+
+
+def customized(folder: Path, base: str, *components: str, **fields: object) -> Manifests:
+    """An operator's own kustomization in `folder`: its fields, over an overlay and with components of ours."""
+    # kustomize takes relative paths only
+    up = Path(*[".."] * (len(folder.parts) - 1)) / ROOT.relative_to("/") / "k3s"
+    content = {
+        "resources": [str(up / "overlays" / base)],
+        "components": [str(up / "components" / name) for name in components],
+        **fields,
+    }
+    (folder / "kustomization.yaml").write_text(yaml.safe_dump(content))
+    return Manifests(folder)
 
 
 def service_variables(services: list[Object], addresses: Mapping[str, str]) -> dict[str, str]:

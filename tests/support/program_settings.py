@@ -42,11 +42,7 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.main": (WebSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.camera": (RelaySettings.from_env, lambda found: {found.node.port}, ROS),
-    "server.front": (
-        FrontSettings.from_env,
-        lambda found: {found.http_port} | ({found.https_port} if found.certificate else set()),
-        set(),
-    ),
+    "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
     "robot.camera": (CameraSettings.from_env, lambda found: {found.port}, {variable.name for variable in CAMERA}),
