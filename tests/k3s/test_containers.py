@@ -20,7 +20,7 @@ FIELDS = {
     "status.podIP": "10.42.0.7",
     "status.hostIP": "192.0.2.7",
 }
-WITH_MORE = ("lan+front", "sim+front")
+WITH_MORE = ("lan+front+monitoring", "sim+front+monitoring")
 CASES = [
     (name, namespace, pod, container)
     for name in ("lan", "sim", "arenas", *WITH_MORE)
@@ -197,7 +197,7 @@ def test_its_resources_are_bounded(started: Started) -> None:
 # MiB that the programs have used at most, in battles on a cluster of two nodes
 PEAKS = {"robot": 138, "arduino": 21, "web": 75, "rosbridge": 61, "ros-master": 53, "arena": 47, "bot": 51}
 # and in the containers of the master's pod here
-PEAKS |= {"front": 30}
+PEAKS |= {"front": 30, "prometheus": 67, "alertmanager": 36}
 
 
 @also_those_of_others

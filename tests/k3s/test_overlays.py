@@ -67,7 +67,7 @@ def specs(manifests: Manifests) -> list[tuple[object, ...]]:
 OPTIONAL = [
     ("lan", "device-plugin"),
     ("sim", "kept-data"),
-    *itertools.product(("lan", "sim"), ("front",)),
+    *itertools.product(("lan", "sim"), ("front", "monitoring")),
 ]
 
 

@@ -32,14 +32,14 @@ def is_restricted(pod: Object) -> bool:
     )
 
 
-@pytest.mark.parametrize("name", ["sim", "arenas", "sim+front"])
+@pytest.mark.parametrize("name", ["sim", "arenas", "sim+front+monitoring"])
 def test_without_hardware_every_pod_is_restricted_and_the_cluster_enforces_it(name: str) -> None:
     assert level(overlay(name)) == {"restricted"}
     for pod, _ in overlay(name).containers:
         assert is_restricted(pod)
 
 
-@pytest.mark.parametrize("name", ["lan", "lan+front"])
+@pytest.mark.parametrize("name", ["lan", "lan+front+monitoring"])
 def test_on_a_lan_the_master_has_its_hosts_network_and_nothing_else(name: str) -> None:
     assert level(overlay(name)) == {"privileged"}
     pod = overlay(name).one("Deployment", "master")["spec"]["template"]["spec"]
