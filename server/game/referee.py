@@ -309,7 +309,8 @@ class Referee:
         elif state.game is Game.PLAYING:
             yield state.ends_at, partial(self._end_battle, cause="the time limit is reached")
         for robot in state.robots:
-            yield robot.alive_at + self._rules.robot_timeout, partial(self._lose_robot, robot)
+            missed_at = max(robot.alive_at + self._rules.robot_timeout, robot.spared_until)
+            yield missed_at, partial(self._lose_robot, robot)
         for at, event in seats.deadlines(state, self._rules):
             yield at, partial(self._leave, event)
 

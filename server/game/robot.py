@@ -1,6 +1,7 @@
 """The registered robots (manual 3.1.5): a plain registry without locks, owned by the referee."""
 
 import hmac
+import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -29,6 +30,7 @@ class Robot:
     address: str = ""  # from which it registered, "" if that is not known
     linked: bool = False  # its serial node is on the topics: it can be driven and hit
     next_hit: float = 0.0  # when the next hit is due at the earliest
+    spared_until: float = -math.inf  # it may be silent till then
 
     @property
     def is_free(self) -> bool:
@@ -90,10 +92,11 @@ class Robots:
         name = caller if lasting else None
         return self._get_available_id(name), name
 
-    def put(self, robot_id: int, name: str | None, now: float, key: str = "", address: str = "") -> None:
+    def put(self, robot_id: int, name: str | None, now: float, key: str = "", address: str = "") -> Robot:
         """List the robot, or note that it has come back. `key` is the digest."""
         robot = self._robots.setdefault(robot_id, Robot(robot_id, name, now, in_service=robot_id not in self._out))
         robot.alive_at, robot.key, robot.address = now, key, address
+        return robot
 
     def link(self, robot_id: int, linked: bool) -> None:
         """The robot's serial node is on the topics, or is not. It is remembered from then on: a name alone is not a

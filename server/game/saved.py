@@ -13,8 +13,9 @@ from server.game.snapshot import Happening, Placing
 from server.game.state import State
 from server.game.users import User, Users, Waiting
 
-# s that robots have more than usual to be heard: when the ROS master was restarted, too, as by an update of the whole
-# master, the robots' own programs start again. That takes them 5 to 8 s, and the smallest ones twice as long.
+# s in which no robot is missed: when the ROS master was restarted, too, as by an update of the whole master, the
+# robots' own programs start again, some after a ping or two. That takes them 5 to 8 s, and the smallest ones twice as
+# long.
 ROBOTS_RETURN = 20.0
 
 
@@ -46,7 +47,7 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
     """The state that was saved `pause` s before `now`. ValueError if it is none.
 
     Battle and countdown have gone on unless they were paused; pages could not be heard, so their silence counts from
-    now on, and that of robots from when they can be back. What an older program did not save yet is as if no operator
+    now on, and robots are missed when they can be back. What an older program did not save yet is as if no operator
     had decided anything, and what only a newer one knows is left out.
     """
     try:
@@ -57,7 +58,8 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
         for fields in saved["robots"]:
             if known_robots.get(fields["caller"], fields["id"]) != fields["id"]:
                 continue  # the operator has given it another ID since: it registers anew
-            robots.put(int(fields["id"]), fields["caller"], now + ROBOTS_RETURN, fields["key"], fields["address"])
+            back = robots.put(int(fields["id"]), fields["caller"], now, fields["key"], fields["address"])
+            back.spared_until = now + ROBOTS_RETURN
             robots.link(int(fields["id"]), fields["linked"])
         users = Users()
         for fields in saved["users"]:

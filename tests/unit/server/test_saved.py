@@ -51,16 +51,19 @@ def test_robots_have_the_time_that_their_programs_need_to_start(match):
     match.now += 14.9
     assert match.state.robots == (0, 1, 2, 3)
     assert match.state.game == 2
-    match.now += 8.2
+    match.now += 5.2
     assert match.state.robots == ()
 
 
-def test_a_robot_that_was_back_at_once_is_missed_as_ever(match):
+def test_robots_may_ping_once_more_before_their_programs_start_again(match):
     match.start("ada", "bob")
     match.restart()
     match.wait(1.0)
-    match.wait(3.1, dead_robots=(0,))
-    assert 0 not in match.state.robots
+    match.wait(18.9, dead_robots=(0,))
+    assert match.state.robots == (0, 1, 2, 3)
+    assert match.state.game == 2
+    match.wait(0.2, dead_robots=(0,))
+    assert match.state.robots == (1, 2, 3)
 
 
 def test_who_died_first_is_still_last(match):
