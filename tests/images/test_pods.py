@@ -3,19 +3,19 @@
 import json
 import os
 import stat
+import subprocess
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import pytest
 import requests
-import yaml
 
-from tests.support.manifests import Manifests, overlay
-from tests.support.play import PLAYING, shoot_to_the_end
-from tests.support.player import Eyes, Player, players_and_free_robots
-from tests.support.pods import ClusterBattle, Pod, free_node_ports
+from tests.support.manifests import Manifests, customized, overlay
+from tests.support.play import PLAYING, a_bot_waits, shoot_to_the_end
+from tests.support.player import Eyes, Player
+from tests.support.pods import ClusterBattle, Pod, free_node_ports, merged
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
@@ -27,21 +27,18 @@ MASTER = {f"master/{container}" for container in ("ros-master", "rosbridge", "we
 
 @pytest.fixture(scope="module")
 def manifests(version: str, tmp_path_factory: pytest.TempPathFactory) -> Manifests:
-    """The sim overlay as an operator changes it: other ports, and short rules."""
-    folder: Path = tmp_path_factory.mktemp("kustomization")
-    up = os.path.relpath(ROOT / "k3s", folder)
-    ports = [f"{name}={number}" for name, number in free_node_ports().items()]
-    rules = ["LASERBOT_HIT_DAMAGE=40", "LASERBOT_COUNTDOWN=1"]
-    content: dict[str, Any] = {
-        "resources": [f"{up}/overlays/sim"],
-        "components": [f"{up}/components/node-ports"],
-        "configMapGenerator": [
-            {"name": name, "namespace": "laserbot", "behavior": "merge", "literals": literals}
-            for name, literals in {"node-ports": ports, "settings": rules}.items()
-        ],
-    }
-    (folder / "kustomization.yaml").write_text(yaml.safe_dump(content))
-    built = Manifests(folder)
+    """The sim overlay as an operator changes it: with a front, other ports, and short rules."""
+    ports = [
+        {"op": "add", "path": f"/spec/ports/{number}/nodePort", "value": free_port()} for number in range(2)
+    ]  # http, https
+    built = customized(
+        tmp_path_factory.mktemp("kustomization"),
+        "sim",
+        "node-ports",
+        "front",
+        configMapGenerator=[free_node_ports(), merged("settings", "LASERBOT_HIT_DAMAGE=40", "LASERBOT_COUNTDOWN=1")],
+        patches=[{"target": {"kind": "Service", "name": "front"}, "patch": json.dumps(ports)}],
+    )
     assert {container["image"].split(":")[1] for _, container in built.containers} == {version}
     return built.within("laserbot")
 
@@ -78,6 +75,37 @@ def test_a_person_plays_against_the_bot_to_the_end(battle: ClusterBattle) -> Non
         assert min(result.values()) == 0
 
 
+class OneAddress(NamedTuple):
+    """The battle behind its front, a place to play at."""
+
+    web: str
+    bridge: str
+    view: str
+
+
+def test_the_front_is_the_one_address_of_it_all(battle: ClusterBattle) -> None:
+    host = f"127.0.0.1:{battle.node_ports['http']}"
+    place = OneAddress(f"http://{host}", f"ws://{host}/rosbridge", f"ws://{host}/arena/view")
+    with Player(place, "Cleo") as cleo, Eyes(place) as eyes:
+        until(lambda: cleo.user().get("robot") in eyes.robots(), 10, "rosbridge and the arena answer there")
+
+
+def test_a_secret_gives_the_front_tls_from_its_next_start_on(battle: ClusterBattle) -> None:
+    secret = battle.folder / "master/secrets/front"
+    secret.mkdir(parents=True)
+    name = "-subj /CN=localhost -addext subjectAltName=DNS:localhost"
+    words = f"openssl req -x509 -newkey rsa:2048 -nodes -keyout tls.key -out tls.crt -days 2 {name}"
+    subprocess.run(words.split(), cwd=secret, check=True, capture_output=True)
+    master = battle.pods["master"]
+    master.start_container("front", battle.manifests, battle.addresses)
+    until(partial(master.passes, "front", "readinessProbe"), 60, "the front is back")
+    secure = f"https://localhost:{battle.node_ports['https']}"
+    assert requests.get(f"{secure}/watch", verify=str(secret / "tls.crt"), timeout=5).ok
+    plain = f"http://127.0.0.1:{battle.node_ports['http']}/watch"
+    told = requests.get(plain, headers={"Host": "arena.example"}, timeout=5, allow_redirects=False)
+    assert told.headers["Location"] == "https://arena.example/watch"
+
+
 def test_after_a_crash_of_ros_everything_comes_back_by_restarts_alone(battle: ClusterBattle) -> None:
     master = battle.pods["master"]
     master.kill("ros-master")
@@ -90,11 +118,8 @@ def test_after_a_crash_of_ros_everything_comes_back_by_restarts_alone(battle: Cl
     until(all_again, 60, "the master's other programs end by themselves")
     battle.wait_until_ready(120)
 
-    def bot_and_a_robot_are_there() -> bool:  # who is ready has not registered with the new master yet
-        players, free = players_and_free_robots(battle) or ([], 0)
-        return [name for name, _ in players] == ["Bot1"] and free == 1
-
-    until(bot_and_a_robot_are_there, 60, "a new battle can begin")
+    # who is ready has not registered with the new master yet
+    until(lambda: a_bot_waits(battle), 60, "a new battle can begin")
     with Player(battle, "Bea") as bea:
         assert bea.ready() == "OK"
         bea.wait_for_game(PLAYING, 60)

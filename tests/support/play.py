@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from websockets.exceptions import WebSocketException
 
-from tests.support.player import Eyes, Hunter, Player
+from tests.support.player import Eyes, Hunter, Place, Player, players_and_free_robots
 from tests.support.polling import until
 
 STOPPED, COUNTDOWN, PLAYING = 0, 1, 2
@@ -18,6 +18,12 @@ def start(*players: Player) -> None:
         assert player.ready() == "OK"
     for player in players:
         player.wait_for_game(PLAYING)
+
+
+def a_bot_waits(battle: Place) -> bool:
+    """Whether it is the only player, and a robot is free for another one."""
+    players, free = players_and_free_robots(battle) or ([], 0)
+    return [name for name, _ in players] == ["Bot1"] and free == 1
 
 
 def reconnect(player: Player, seconds: float = 30.0) -> None:

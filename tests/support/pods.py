@@ -2,16 +2,19 @@
 
 A pod is a container that only holds the network, and the containers of the manifest in that network, with the user,
 rights, volumes, environment, command and limits that the manifest says. There is no name service at all. A Service's
-address is its pod's address: every Service's port is its pod's port (tests/k3s).
+address is one of its pod's, and of the next pod in its place: every Service's port is its pod's port (tests/k3s).
 """
 
 import http.client
 import json
 import os
 import re
+import shutil
 import subprocess
 from collections.abc import Mapping
 from functools import partial
+from ipaddress import ip_network
+from itertools import islice
 from pathlib import Path
 from typing import Self
 
@@ -20,12 +23,14 @@ from tests.support.manifests import Kubelet, Manifests, Object
 from tests.support.polling import until
 from tests.support.ports import free_port
 
+SERVICES = "198.18.0.0/24"  # of the addresses for tests of networks: no LAN has them
+
 
 class Pod:
     """One pod of a workload.
 
-    `folder` has what the pod finds of its host. `publish` are pod ports by the ports of this machine's localhost,
-    `devices` are this machine's by the paths at which the containers see them.
+    `folder` has what the pod finds of its host, and what Secrets have: secrets/NAME/KEY. `publish` are pod ports by the
+    ports of this machine's localhost, `devices` are this machine's by the paths at which the containers see them.
     """
 
     def __init__(
@@ -53,6 +58,10 @@ class Pod:
             "inspect", "--format", "{{range .NetworkSettings.Networks}}{{.IPAddress}}{{end}}", self._sandbox
         ).strip()
         self.containers: dict[str, str] = {}
+
+    def join(self, network: str, address: str | None) -> None:
+        """Be in a further network, too."""
+        docker("network", "connect", *([f"--ip={address}"] if address else []), network, self._sandbox)
 
     def start(self, manifests: Manifests, addresses: Mapping[str, str]) -> None:
         """Start all containers; `manifests` are the namespace's, `addresses` the Services' by name."""
@@ -107,10 +116,18 @@ class Pod:
         return flags + [f"--volume={device}:{path}" for path, device in self._devices.items()]
 
     def _host_path(self, volume: Object) -> Path:
-        """Instead of the host's own folder, or of a claim's, one of this test's."""
-        claim = volume.get("persistentVolumeClaim")
-        path = self._folder / (claim["claimName"] if claim else volume["hostPath"]["path"].lstrip("/"))
+        """Instead of the host's own folder, or of a claim's or a Secret's, one of this test's."""
+        claim, secret = volume.get("persistentVolumeClaim"), volume.get("secret")
+        if claim:
+            name = claim["claimName"]
+        else:
+            name = secret["secretName"] if secret else volume["hostPath"]["path"].lstrip("/")
+        path = self._folder / name
         path.mkdir(parents=True, exist_ok=True)
+        for item in (secret or {}).get("items", []):
+            given = self._folder / "secrets" / name / item["key"]
+            if given.exists():
+                shutil.copyfile(given, path / item["path"])
         if claim:  # the cluster gives it to the pod's group
             os.chown(path, -1, self.spec["securityContext"]["fsGroup"])
             path.chmod(0o2775)
@@ -162,6 +179,10 @@ class Pod:
     def kill(self, name: str) -> None:
         docker("kill", self.containers[name])
 
+    def stop(self) -> None:
+        """As a kubelet ends a pod: by each image's own signal, and after the time of grace by force."""
+        docker("stop", f"--time={self.spec['terminationGracePeriodSeconds']}", *self.containers.values())
+
     def remove(self) -> None:
         docker("rm", "--force", "--volumes", *self.containers.values(), self._sandbox)
 
@@ -171,32 +192,35 @@ class ClusterBattle:
 
     def __init__(self, manifests: Manifests, folder: Path) -> None:
         self.manifests = manifests
-        node_ports = {
+        self.node_ports = {
             port["targetPort"]: port["nodePort"]
             for service in manifests.of("Service")
             for port in service["spec"].get("ports", [])
             if "nodePort" in port
         }
-        self.web = f"http://127.0.0.1:{node_ports['web']}"
-        self.rosbridge_port, self.arena_port = node_ports["rosbridge"], node_ports["view"]
+        self.web = f"http://127.0.0.1:{self.node_ports['web']}"
+        self.rosbridge_port, self.arena_port = self.node_ports["rosbridge"], self.node_ports["view"]
         self.bridge = f"ws://127.0.0.1:{self.rosbridge_port}"
         self.view = f"ws://127.0.0.1:{self.arena_port}/view"
         self.pods: dict[str, Pod] = {}
-        self._folder, self._node_ports = folder, node_ports
+        self.folder = folder
+        # the workloads that Services lead to, whose pods' names are their own
+        self._targets = {
+            item["metadata"]["name"]: item["spec"]["selector"]["app.kubernetes.io/name"]
+            for item in manifests.of("Service")
+            if item["spec"].get("clusterIP") != "None"
+        }
+        hosts = islice(ip_network(SERVICES).hosts(), 100, None)  # the engine gives the first ones to the other pods
+        self._address_of = {target: str(next(hosts)) for target in sorted(set(self._targets.values()))}
 
     def __enter__(self) -> Self:
+        name = f"laserbot-services-{os.getpid()}"
+        self._network = docker("network", "create", "--internal", f"--subnet={SERVICES}", name).strip()
         try:
             for workload in self.manifests.workloads:
                 name = workload["metadata"]["name"]
                 for number in range(workload["spec"]["replicas"]):
-                    own = f"{name}-{number}" if workload["kind"] == "StatefulSet" else name
-                    ports = {
-                        port["name"]: port["containerPort"]
-                        for container in workload["spec"]["template"]["spec"]["containers"]
-                        for port in container.get("ports", [])
-                    }
-                    publish = {self._node_ports[each]: ports[each] for each in ports if each in self._node_ports}
-                    self.pods[own] = Pod(workload, own, self._folder / own, publish)
+                    self._create(workload, f"{name}-{number}" if workload["kind"] == "StatefulSet" else name)
             for pod in self.pods.values():
                 pod.start(self.manifests, self.addresses)
         except AssertionError:
@@ -204,19 +228,39 @@ class ClusterBattle:
             raise
         return self
 
+    def _create(self, workload: Object, name: str) -> None:
+        ports = {
+            port["name"]: port["containerPort"]
+            for container in workload["spec"]["template"]["spec"]["containers"]
+            for port in container.get("ports", [])
+        }
+        publish = {self.node_ports[each]: ports[each] for each in ports if each in self.node_ports}
+        self.pods[name] = Pod(workload, name, self.folder / name, publish)
+        self.pods[name].join(self._network, self._address_of.get(workload["metadata"]["name"]))
+
     def __exit__(self, *_: object) -> None:
         for pod in self.pods.values():
             pod.remove()
+        docker("network", "rm", self._network)
 
     @property
     def addresses(self) -> dict[str, str]:
         """The Services' addresses by name."""
-        selectors = {
-            item["metadata"]["name"]: item["spec"]["selector"]["app.kubernetes.io/name"]
-            for item in self.manifests.of("Service")
-            if item["spec"].get("clusterIP") != "None"
-        }
-        return {service: self.pods[target].address for service, target in selectors.items()}
+        return {service: self._address_of[target] for service, target in self._targets.items()}
+
+    def roll_out(self, manifests: Manifests, name: str) -> None:
+        """Replace the pod of a Deployment with the strategy Recreate, as when `manifests` are applied."""
+        self.manifests = manifests
+        old = self.pods.pop(name)
+        old.stop()
+        old.remove()
+        # the lowest address that is free would be the old pod's again, while in a cluster the new one has another
+        taken = Pod(manifests.one("Deployment", name), f"not-{name}", self.folder / "not")
+        try:
+            self._create(manifests.one("Deployment", name), name)
+        finally:
+            taken.remove()
+        self.pods[name].start(manifests, self.addresses)
 
     def restart_what_ended(self) -> list[str]:
         """As a kubelet does, but at once; the names of the containers."""
@@ -230,5 +274,11 @@ class ClusterBattle:
             pod.wait_until_ready(seconds)
 
 
-def free_node_ports() -> dict[str, int]:
-    return {name: free_port() for name in ("web", "rosbridge", "relay", "view")}
+def merged(name: str, *literals: str) -> Object:
+    """An operator's own values for a ConfigMap of ours, for a kustomization."""
+    return {"name": name, "namespace": "laserbot", "behavior": "merge", "literals": list(literals)}
+
+
+def free_node_ports() -> Object:
+    """For a kustomization: ports of this machine for those of the nodes."""
+    return merged("node-ports", *[f"{name}={free_port()}" for name in ("web", "rosbridge", "relay", "view")])
