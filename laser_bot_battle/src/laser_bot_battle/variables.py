@@ -311,8 +311,8 @@ PRIORITY: Variable[int] = Variable(
 JOURNAL = words(
     "LASERBOT_JOURNAL",
     "",
-    "folder of systemd's journals, such as `/var/log/journal`, whose newest lines [the desk](operator.md) shows; by Ansible "
-    "it has the logs of all hosts; not with compose",
+    "folder of systemd's journals, such as `/var/log/journal`, whose newest lines [the desk](operator.md) shows; by "
+    "Ansible it has the logs of all hosts; not with compose",
 )
 METRICS: Variable[tuple[str, int] | None] = Variable(
     "LASERBOT_METRICS",
