@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import pytest
 import requests
@@ -27,7 +27,7 @@ MASTER = {f"master/{container}" for container in ("ros-master", "rosbridge", "we
 
 @pytest.fixture(scope="module")
 def manifests(version: str, tmp_path_factory: pytest.TempPathFactory) -> Manifests:
-    """The sim overlay as an operator changes it: with a front, other ports, and short rules."""
+    """The sim overlay as an operator changes it: with a front and monitoring, other ports, and short rules."""
     ports = [
         {"op": "add", "path": f"/spec/ports/{number}/nodePort", "value": free_port()} for number in range(2)
     ]  # http, https
@@ -36,6 +36,7 @@ def manifests(version: str, tmp_path_factory: pytest.TempPathFactory) -> Manifes
         "sim",
         "node-ports",
         "front",
+        "monitoring",
         configMapGenerator=[free_node_ports(), merged("settings", "LASERBOT_HIT_DAMAGE=40", "LASERBOT_COUNTDOWN=1")],
         patches=[{"target": {"kind": "Service", "name": "front"}, "patch": json.dumps(ports)}],
     )
@@ -104,6 +105,31 @@ def test_a_secret_gives_the_front_tls_from_its_next_start_on(battle: ClusterBatt
     plain = f"http://127.0.0.1:{battle.node_ports['http']}/watch"
     told = requests.get(plain, headers={"Host": "arena.example"}, timeout=5, allow_redirects=False)
     assert told.headers["Location"] == "https://arena.example/watch"
+
+
+def test_prometheus_hears_every_program_and_tells_alertmanager(battle: ClusterBattle) -> None:
+    master = battle.pods["master"]
+
+    def asked(url: str) -> Any:
+        """By a container of the same pod: no other place reaches it."""
+        words = f"from urllib.request import urlopen; print(urlopen('http://127.0.0.1:{url}').read().decode())"
+        return json.loads(master.exec("web", "python3", "-c", words))
+
+    def heard() -> set[str]:
+        result = asked("9210/api/v1/query?query=up==1")["data"]["result"]
+        return {series["metric"]["program"] for series in result}
+
+    until(lambda: heard() == {"web", "rosbridge", "relay"}, 30, "all programs are heard")
+    (alertmanager,) = asked("9210/api/v1/alertmanagers")["data"]["activeAlertmanagers"]
+    assert alertmanager["url"].startswith("http://127.0.0.1:9211/")
+    assert asked("9211/api/v2/status")["config"]["original"]
+
+
+def test_a_prometheus_that_ends_is_started_again_alone(battle: ClusterBattle) -> None:
+    battle.pods["master"].kill("prometheus")
+    assert requests.post(f"{battle.web}/updateGameStatus", timeout=5).ok
+    assert battle.restart_what_ended() == ["master/prometheus"]
+    until(partial(battle.pods["master"].passes, "prometheus", "livenessProbe"), 30, "it is back")
 
 
 def test_after_a_crash_of_ros_everything_comes_back_by_restarts_alone(battle: ClusterBattle) -> None:
