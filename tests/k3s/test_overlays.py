@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
 import kubernetes_validate
 import pytest
@@ -185,3 +186,21 @@ def test_the_readmes_example_changes_what_it_says(tmp_path: Path) -> None:
     assert settings["data"]["LASERBOT_BATTLE_LIMIT"] == "600"
     assert "raspberrypi3=3" in settings["data"]["LASERBOT_ROSTER"]
     assert all(container["image"].startswith("192.168.1.20:5000/") for _, container in changed.containers)
+
+
+def test_what_an_arena_requests_is_what_the_readme_reckons_with() -> None:
+    def requested(workload: dict[str, Any]) -> tuple[int, int]:
+        """Thousandths of a core, and MiB."""
+        asked = [each["resources"]["requests"] for each in workload["spec"]["template"]["spec"]["containers"]]
+        cores = sum(int(each["cpu"].removesuffix("m")) for each in asked)
+        return cores, sum(int(each["memory"].removesuffix("Mi")) for each in asked)
+
+    workloads = {each["metadata"]["name"]: requested(each) for each in overlay("sim").workloads}
+    robot = workloads.pop("robot")
+    cores, memory = (sum(column) for column in zip(*workloads.values(), strict=True))
+    said = re.search(
+        r"requests ([\d.]+) of a core and (\d+) MiB, and each virtual robot ([\d.]+) of\s+a core and (\d+) MiB more",
+        (ROOT / "k3s/README.md").read_text(),
+    )
+    assert said
+    assert [float(number) for number in said.groups()] == [cores / 1000, memory, robot[0] / 1000, robot[1]]
