@@ -59,12 +59,6 @@ class Pages(InLoop):
         """All get ready. Returns when the battle runs; RuntimeError when somebody is not in it."""
         self.do(self._battle())
 
-    def close(self) -> None:
-        try:
-            self.do(self._leave())
-        finally:
-            self.end()
-
     async def _free(self) -> int:
         async with aiohttp.ClientSession() as session:
             return int((await self._post(session, "getAvailableRobots"))["availableR"])
@@ -106,9 +100,9 @@ class Pages(InLoop):
         async with session.post(f"{self._web}/{route}", data=data) as answer:
             return dict(json.loads(await answer.text()))
 
-    async def _leave(self) -> None:
+    async def leave(self) -> None:
         try:
-            await self.end_kept()
+            await super().leave()
         finally:
             for session in self._sessions:
                 await session.close()

@@ -90,12 +90,14 @@ CALL_ONCE = "import socket; socket.create_connection(({address!r}, 11311), 5)"
 def test_a_robot_that_calls_the_ros_master_without_end_leaves_room_for_others(rehearsal: Rehearsal) -> None:
     mad, other = rehearsal.robots[:2]
     calls = CALL.format(address=rehearsal.master.address)
-    held = f"python3 -c {shlex.quote(calls + 'import time; time.sleep(20)')} >/tmp/calls 2>&1 & echo $!"
+    held = f"timeout 120 python3 -c {shlex.quote(calls + 'import signal; signal.pause()')} >/tmp/calls 2>&1 & echo $!"
     process = mad.run(held).strip()
-    until(lambda: mad.run("cat /tmp/calls").strip(), 20, "it has called")
-    assert 50 < int(mad.run("cat /tmp/calls")) <= 101
-    other.run(f"python3 -c {shlex.quote(CALL_ONCE.format(address=rehearsal.master.address))}")
-    mad.run(f"kill {process}; rm /tmp/calls")
+    try:
+        until(lambda: mad.run("cat /tmp/calls").strip(), 20, "it has called")
+        assert 50 < int(mad.run("cat /tmp/calls")) <= 101
+        other.run(f"python3 -c {shlex.quote(CALL_ONCE.format(address=rehearsal.master.address))}")
+    finally:
+        mad.run(f"kill {process}; rm /tmp/calls")
 
 
 def test_the_master_reaches_a_robots_nodes_and_other_robots_do_not(rehearsal: Rehearsal) -> None:

@@ -108,13 +108,6 @@ class People(InLoop):
         self._people = [Person(number, place, random.Random(f"{seed} {number}")) for number in range(count)]
         self.do(self._live())
 
-    def close(self) -> None:
-        """All are gone, without a word."""
-        try:
-            self.do(self.end_kept())
-        finally:
-            self.end()
-
     async def _live(self) -> None:
         for person in self._people:
             self.keep(person.live())

@@ -49,24 +49,28 @@ class InLoop:
         return asyncio.run_coroutine_threadsafe(work, self._loop).result()
 
     def keep(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
-        """Have it go on, until its end or `end_kept`. To be called in the loop."""
+        """Have it go on, until its end or `close`. To be called in the loop."""
         task = self._loop.create_task(work)
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
         return task
 
-    async def end_kept(self) -> None:
-        """Raises what one of them has failed with."""
+    def close(self) -> None:
+        """All ends, without a word. Raises what some of it has failed with."""
+        try:
+            self.do(self.leave())
+        finally:
+            self._loop.call_soon_threadsafe(self._loop.stop)
+            self._thread.join()
+            self._loop.close()
+
+    async def leave(self) -> None:
+        """What `close` does in the loop."""
         for task in self._tasks:
             task.cancel()
         for result in await asyncio.gather(*self._tasks, return_exceptions=True):
             if isinstance(result, Exception):
                 raise result
-
-    def end(self) -> None:
-        self._loop.call_soon_threadsafe(self._loop.stop)
-        self._thread.join()
-        self._loop.close()
 
 
 class LightRobot:
@@ -157,12 +161,6 @@ class LightRobots(InLoop):
     def collect(self) -> dict[int, list[tuple[float, bytes]]]:
         """The commands that came since the last call, by robot."""
         return self.do(self._collect())
-
-    def close(self) -> None:
-        try:
-            self.do(self.end_kept())
-        finally:
-            self.end()
 
     async def _live(self) -> None:
         for robot in self._robots:
