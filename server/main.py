@@ -75,9 +75,10 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
     game.add_recorder(database.record)
     game.add_recorder(log.record)
     health = RobotsHealth()
-    hits, orders, reports = Hits(game), Orders(), HealthListener(health)
+    master = Master(settings.node.master_uri, SERVER_NODE)
+    hits, orders, reports = Hits(game, master), Orders(master), HealthListener(health, master)
     positions = PositionsListener(database.keep_piece)
-    links = Links(game, Master(settings.node.master_uri, SERVER_NODE))
+    links = Links(game, master)
     game.add_listener(StatusPublisher(health).publish)
     for robots in (hits, orders, reports, health):
         game.add_listener(robots.follow)

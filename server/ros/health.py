@@ -7,6 +7,7 @@ from typing import Any
 
 import rospy
 
+from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Health
 from laser_bot_battle.names import health_topic
 from server.health import Report, RobotsHealth
@@ -16,8 +17,8 @@ from server.ros.robot_topics import Endpoint, RobotTopics
 class HealthListener(RobotTopics):
     """Listens to exactly the robots that are registered."""
 
-    def __init__(self, health: RobotsHealth) -> None:
-        super().__init__()
+    def __init__(self, health: RobotsHealth, master: Master) -> None:
+        super().__init__(master)
         self._health = health
 
     def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:

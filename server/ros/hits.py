@@ -11,6 +11,7 @@ from functools import partial
 import rospy
 from std_msgs.msg import Empty
 
+from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Hit, Shot
 from laser_bot_battle.names import SHOTS, hit_topic, response_topic
 from server.game.loop import GameLoop
@@ -22,8 +23,7 @@ _log = logging.getLogger(__name__)
 class Hits(RobotTopics):
     """Listens to exactly the robots that are registered."""
 
-    def __init__(self, game: GameLoop) -> None:
-        super().__init__()
+    def __init__(self, game: GameLoop, master: Master) -> None:
         self._game = game
         self._lock = threading.Lock()
         self._told: Counter[tuple[str, ...]] = Counter(
@@ -31,6 +31,7 @@ class Hits(RobotTopics):
         )
         listen = partial(rospy.Subscriber, SHOTS, Shot, self._shot, tcp_nodelay=True)
         self._shots = RobotTopic(listen, time.monotonic())
+        super().__init__(master, self._shots)
 
     def told(self) -> dict[tuple[str, ...], int]:
         """How many were reported: by light, `plain` or `coded`, and whether they count, `yes` or `no`."""
@@ -41,10 +42,6 @@ class Hits(RobotTopics):
     def _shots_told(self) -> bool:
         """Whether somebody tells of shots: our rosbridge does, another one does not."""
         return self._shots.is_connected()
-
-    def _settle(self, present: Sequence[int]) -> None:
-        self._shots.hear_again(time.monotonic())
-        super()._settle(present)
 
     def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
         subscribe = partial(rospy.Subscriber, callback_args=robot_id, tcp_nodelay=True)

@@ -8,6 +8,7 @@ import rospy
 from std_msgs.msg import Empty
 
 from laser_bot_battle.light import COOLDOWN
+from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Setup
 from laser_bot_battle.names import identify_topic, setup_topic
 from server.game.light import damage_code
@@ -18,8 +19,8 @@ from server.ros.robot_topics import Endpoint, RobotTopics
 class Orders(RobotTopics):
     """Tells exactly the robots that are registered, and again when something changes for them."""
 
-    def __init__(self) -> None:
-        super().__init__()
+    def __init__(self, master: Master) -> None:
+        super().__init__(master)
         self._wanted: dict[int, Setup] = {}
         self._told: dict[int, Setup] = {}
 

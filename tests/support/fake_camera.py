@@ -106,8 +106,8 @@ class FakeCamera:
 
     def _run(self, work: Callable[[socket.socket], None], own: socket.socket) -> None:
         thread = threading.Thread(target=work, args=(own,), name="fake camera")
+        thread.start()  # first: `stop` joins what is in the list
         self._threads.append(thread)
-        thread.start()
 
     def _accept(self, listener: socket.socket) -> None:
         with contextlib.suppress(OSError):
