@@ -8,13 +8,14 @@ from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import psutil
 import pytest
 import requests
 import yaml
 from prometheus_client.parser import text_string_to_metric_families
 
 from laser_bot_battle.names import WATCHED
-from tests.support.battle import Battle
+from tests.support.battle import Battle, Paused
 from tests.support.documents import page, table
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -125,6 +126,15 @@ def test_every_query_of_the_dashboard_has_an_answer(prometheus: Ask) -> None:
     assert len(queries) > 20
     for query in set(queries) - MAY_BE_EMPTY:
         until(partial(prometheus, query), 30, query)
+
+
+def test_an_alert_names_the_robot_that_is_lost(watched: Watched, prometheus: Ask) -> None:
+    lost = 'ALERTS{alertstate="firing", alertname="RobotLost"}'
+    assert prometheus(lost) == []
+    client = psutil.Process(watched.battle.pid(r"robot\.serial_node .*/virtual1/")).ppid()
+    with Paused(client):
+        until(lambda: [alert["metric"]["robot"] for alert in prometheus(lost)] == ["1"], 60, "an alert")
+    until(lambda: prometheus(lost) == [], 60, "it is back")
 
 
 def test_a_program_that_waits_for_the_referee_is_healthy_but_not_ready(watched: Watched) -> None:
