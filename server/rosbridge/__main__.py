@@ -57,7 +57,7 @@ async def _talk(node: Node, settings: Settings, listener: socket.socket) -> None
                 _log.warning("open: everybody who gets to this port may do everything, and drive every robot")
             with watched("rosbridge", settings.node.metrics, in_loop(Owner(bridge.figures, bridge.missing))):
                 await live(node)
-            bridge.stop()
+                bridge.stop()  # first of all: whoever looked at its figures may take a moment to be sent away
             await asyncio.sleep(FLUSH)
 
 

@@ -1,17 +1,18 @@
 """nginx as the front runs it, where what leads to it has other ports, and where the arena is another machine's."""
 
+import socket
 import subprocess
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, HTTPServer
+from http.server import BaseHTTPRequestHandler, HTTPServer, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
 import requests
 
-from server.front.configuration import configuration
+from server.front.configuration import CONNECTIONS, configuration
 from server.front.settings import FrontSettings
 from tests.support.polling import until
 from tests.support.ports import free_port, listening
@@ -82,3 +83,34 @@ def test_the_arena_may_be_another_machines() -> None:
         finally:
             arena.shutdown()
             thread.join()
+
+
+def test_one_address_cannot_have_all_connections() -> None:
+    held: list[str] = []
+    done = threading.Event()
+
+    class Slow(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            held.append(self.headers["X-Forwarded-For"])
+            done.wait(60)
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Slow) as arena, ExitStack() as calls:
+        calls.callback(arena.shutdown)
+        calls.callback(done.set)
+        threading.Thread(target=arena.serve_forever).start()
+        url = calls.enter_context(front(LASERBOT_VIEW_PORT=str(arena.server_port)))
+
+        def call(own_address: str) -> None:
+            where = ("127.0.0.1", int(url.rpartition(":")[2]))
+            caller = calls.enter_context(socket.create_connection(where, 5, (own_address, 0)))
+            caller.sendall(b"GET /arena/view HTTP/1.1\r\nHost: arena\r\n\r\n")
+
+        def full() -> bool:
+            call("127.0.0.1")  # one that comes too fast is refused, and does not count
+            return len(held) >= CONNECTIONS
+
+        until(full, 30, "the address has all that it may have")
+        until(lambda: requests.get(f"{url}/arena/view", timeout=5).status_code == HTTPStatus.SERVICE_UNAVAILABLE, 5)
+        call("127.0.0.3")
+        until(lambda: held[-1] == "127.0.0.3", 5, "another address has room")
+        assert held[:-1] == ["127.0.0.1"] * CONNECTIONS

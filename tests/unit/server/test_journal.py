@@ -57,6 +57,15 @@ def test_what_is_no_line_of_ours_is_shown_as_it_is(tmp_path: Path) -> None:
     ]
 
 
+def test_a_torn_journal_hides_no_other(folder: Path) -> None:
+    journals = Journals(folder)
+    known = journals.newest(10)
+    (folder / "remote" / "remote-empty.journal").touch()
+    (folder / "remote" / "remote-torn.journal").write_bytes(b"x" * 1000)
+    assert journals.newest(10) == known
+    assert journals.hosts() == ["laser-bot-master", "raspberrypi1"]
+
+
 @pytest.mark.parametrize("name", ["", "not-there"])
 def test_nothing_to_read_is_said(tmp_path: Path, name: str) -> None:
     with pytest.raises(NothingToReadError, match=str(tmp_path / name)):
