@@ -93,16 +93,19 @@ def main() -> int:
     try:
         os.environ.update(ros_environment(os.environ, uri))
         watch.start()  # rospy would wait for an absent master for ever, and could not be stopped
+        parameters = PrivateParameters(sys.argv, master)
+        device, baudrate = arguments.device or parameters.text("port"), parameters.whole("baud", BAUDRATE)
     except OSError as error:
         _log.error("ROS master %s does not answer: %s", uri, error)
         return 1
+    except BadParameterError as error:
+        _log.error("%s", error)
+        return 1
     try:
         tell_camera(settings, master)
-        parameters = PrivateParameters(sys.argv, master)
-        device = arguments.device or parameters.text("port") or find_arduino(settings.devices)
-        with SerialPort(device, parameters.whole("baud", BAUDRATE)) as port:
+        with SerialPort(device or find_arduino(settings.devices), baudrate) as port:
             return serve(port, waker, master, settings.log_level)
-    except (ArduinoLostError, BadParameterError) as error:
+    except ArduinoLostError as error:
         _log.error("%s", error)
         return 1
     except PortError as error:

@@ -4,8 +4,10 @@ import os
 import signal
 import socket
 import struct
+import threading
 import time
 from pathlib import Path
+from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
 
@@ -170,6 +172,26 @@ def test_an_absent_ros_master_is_an_error_of_one_line(device: Device, ros_master
     env = {**ros_master.env, "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}"}
     node = Program.python("robot.serial_node", device.path, "__name:=Robot23", env=env)
     assert node.process.wait(10) == 1
+    assert "does not answer" in node.output
+    assert "Traceback" not in node.output
+
+
+def test_so_is_one_that_falls_silent_meanwhile(device: Device) -> None:
+    silent = threading.Event()
+    with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False) as master:
+        master.register_function(lambda *_: (1, "", 0), "setParam")
+        master.register_function(lambda *_: (1, "", silent.wait(20)), "getParam")
+        thread = threading.Thread(target=master.serve_forever)
+        thread.start()
+        env = {"ROS_MASTER_URI": f"http://127.0.0.1:{master.server_address[1]}"}
+        node = Program.python("robot.serial_node", device.path, "__name:=Robot34", env=env)
+        try:
+            assert node.process.wait(10) == 1
+        finally:
+            node.kill()
+            silent.set()
+            master.shutdown()
+            thread.join()
     assert "does not answer" in node.output
     assert "Traceback" not in node.output
 
