@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from laser_bot_battle.names import ROS_PORT
-from laser_bot_battle.variables import LOG_LEVEL
+from laser_bot_battle.variables import LOG_FORMAT, LOG_LEVEL
 from robot.camera_settings import VARIABLES as CAMERA
 from robot.camera_settings import CameraSettings
 from robot.settings import Settings as RobotSettings
@@ -61,5 +61,5 @@ class ProgramSettings:
         reader, ports, others = READERS[command[2]]
         recorder = Recorder(environment)
         self.settings = reader(recorder)
-        self.variables = recorder.read | others
+        self.variables = recorder.read | others | {LOG_FORMAT.name}  # which `configure_logging` reads
         self.ports = ports(self.settings)
