@@ -5,6 +5,7 @@ import shlex
 import ssl
 from pathlib import Path
 
+import pytest
 import requests
 from websockets.sync.client import connect
 
@@ -78,24 +79,27 @@ def test_the_robots_reach_the_ros_master_and_the_registry(rehearsal: Rehearsal) 
 CALL = """
 import socket
 calls = []
-for _ in range(150):
+for _ in range({limit} + 50):
     calls.append(socket.socket())
-    if calls[-1].connect_ex(({address!r}, 11311)):
+    if calls[-1].connect_ex(({address!r}, {port})):
         break
 print(len(calls), flush=True)
 """
-CALL_ONCE = "import socket; socket.create_connection(({address!r}, 11311), 5)"
+CALL_ONCE = "import socket; socket.create_connection(({address!r}, {port}), 5)"
 
 
-def test_a_robot_that_calls_the_ros_master_without_end_leaves_room_for_others(rehearsal: Rehearsal) -> None:
+@pytest.mark.parametrize(("port", "limit"), [(11311, 100), (80, 400)])
+def test_a_host_that_calls_the_master_without_end_leaves_room_for_others(
+    rehearsal: Rehearsal, port: int, limit: int
+) -> None:
     mad, other = rehearsal.robots[:2]
-    calls = CALL.format(address=rehearsal.master.address)
+    calls = CALL.format(address=rehearsal.master.address, port=port, limit=limit)
     held = f"timeout 120 python3 -c {shlex.quote(calls + 'import signal; signal.pause()')} >/tmp/calls 2>&1 & echo $!"
     process = mad.run(held).strip()
     try:
         until(lambda: mad.run("cat /tmp/calls").strip(), 20, "it has called")
-        assert 50 < int(mad.run("cat /tmp/calls")) <= 101
-        other.run(f"python3 -c {shlex.quote(CALL_ONCE.format(address=rehearsal.master.address))}")
+        assert limit / 2 < int(mad.run("cat /tmp/calls")) <= limit + 1
+        other.run(f"python3 -c {shlex.quote(CALL_ONCE.format(address=rehearsal.master.address, port=port))}")
     finally:
         mad.run(f"kill {process}; rm /tmp/calls")
 

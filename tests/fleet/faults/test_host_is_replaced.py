@@ -36,7 +36,7 @@ def test_a_robot_is_replaced_though_the_deploy_is_broken_off(rehearsal: Rehearsa
 
     measured("")
     first = Playbook("deploy")
-    first.wait_for("TASK [host : Install the packages of all hosts]", 120)
+    first.wait_for("TASK [host : Install the packages]", 120)
     # where dpkg notes what it is about, until it has done it all
     journal = "ls /var/lib/dpkg/updates | grep -q ."
     until(lambda: robot.host.run(journal).rc == 0, 120, "packages are being installed")
