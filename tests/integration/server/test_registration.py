@@ -1,14 +1,12 @@
 """Robots register by the real service and keep their IDs."""
 
 import json
-import os
 import socket
 import sqlite3
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from pathlib import Path
 from urllib.parse import urlsplit
 from xmlrpc.server import SimpleXMLRPCServer
 
@@ -16,7 +14,6 @@ import pytest
 
 from laser_bot_battle.addresses import own_addresses
 from laser_bot_battle.master import Master
-from server.ros.robot_topics import RETRY
 from tests.support.polling import until
 
 
@@ -195,18 +192,3 @@ def test_a_robot_that_did_not_answer_at_once_is_asked_for_its_hits_again(server,
 def test_a_rosbridge_that_did_not_answer_at_once_is_asked_for_its_shots_again(server, ros_master):
     with busy_node(ros_master, "/shots", "laser_bot_battle/Shot") as asked:
         until(lambda: asked.count("/robots_server") >= 2, 10, "the server asks again")
-
-
-def test_the_server_does_not_ask_again_for_what_nobody_publishes(server):
-    """A robot with the original software tells of nothing but plain hits: each question would leave a descriptor."""
-    server.robot("-")
-    files = Path(f"/proc/{server.program.process.pid}/fd")
-
-    def polls() -> int:
-        return sum("eventpoll" in os.readlink(link) for link in files.iterdir() if link.is_symlink())
-
-    opened, later = (time.monotonic() + wait for wait in (RETRY / 2, 3 * RETRY))
-    until(lambda: time.monotonic() >= opened, RETRY)
-    first = polls()
-    until(lambda: time.monotonic() >= later, 3 * RETRY)
-    until(lambda: polls() <= first, 0.5, "no more than before")  # a look at the topics has one for a moment
