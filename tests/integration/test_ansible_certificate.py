@@ -1,5 +1,6 @@
 """roles/master/tasks/tls.yml: the front's certificate, from the fleet's own authority or from the operator."""
 
+import json
 import os
 import subprocess
 from pathlib import Path
@@ -22,21 +23,23 @@ class Master:
         files = ["-keyout", self.ca / "ca.key", "-out", self.ca / "ca.crt"]
         openssl(*make, "-addext", "keyUsage=critical,keyCertSign", *files)
 
-    def deploy(self, tls: str, *flags: str, **more: object) -> int:
+    def deploy(self, tls: object, *flags: str, **more: object) -> int:
         """How many tasks say that they have changed something."""
+        run = self.run(tls, *flags, **more)
+        row = recap(run.stdout)["laser_bot_master"]
+        assert row["failed"] == 0, run.stdout
+        return row["changed"]
+
+    def run(self, tls: object, *flags: str, **more: object) -> subprocess.CompletedProcess[str]:
         knobs = {
             "master_tls": tls,
-            "fleet_ca": self.ca,
-            "master_tls_folder": self.tls,
+            "fleet_ca": str(self.ca),
+            "master_tls_folder": str(self.tls),
             "fleet_container_user": os.getuid(),
             "fleet_master_address": ADDRESS,
             **more,
         }
-        variables = "".join(f'{name}: "{value}"\n' for name, value in knobs.items())
-        run = play_role("master", "tls", variables, self.folder, "laser_bot_master", *flags)
-        row = recap(run.stdout)["laser_bot_master"]
-        assert row["failed"] == 0, run.stdout
-        return row["changed"]
+        return play_role("master", "tls", json.dumps(knobs), self.folder, "laser_bot_master", *flags)
 
     def files(self) -> dict[str, int]:
         """Those of the certificate, with their modes."""
@@ -84,3 +87,13 @@ def test_the_operators_certificate_takes_its_place_and_nothing_is_left_without_o
     assert (master.tls / "front.key").read_text() == "front.key of the operator"
     assert master.deploy("") > 0
     assert master.files() == {}
+
+
+@pytest.mark.parametrize("wrong", [True, "Own", "certificates", "/nowhere"])
+def test_a_wrong_setting_is_told_before_anything_is_taken_away(master: Master, wrong: object) -> None:
+    master.deploy("own")
+    before = master.files()
+    run = master.run(wrong)
+    assert recap(run.stdout)["laser_bot_master"]["failed"] == 1
+    assert f"master_tls is {wrong}: it must be empty, own, or the absolute path" in " ".join(run.stdout.split())
+    assert master.files() == before

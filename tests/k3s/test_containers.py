@@ -8,6 +8,7 @@ from functools import cache
 
 import pytest
 
+from laser_bot_battle.variables import LOG_FORMAT, LOG_LEVEL
 from server.game.rules import Rules
 from tests.support.imagefile import dockerfile, folders
 from tests.support.manifests import REFERENCE, Kubelet, Manifests, Object, overlay
@@ -99,6 +100,12 @@ def usage(program: str, *arguments: str) -> str:
 def test_the_program_reads_every_variable_and_accepts_its_value(started: Started) -> None:
     in_command = {name for word in started.container["command"] for name in REFERENCE.findall(word)}
     assert started.given <= started.settings.variables | in_command
+
+
+@every_container
+def test_one_setting_says_how_all_programs_log(started: Started) -> None:
+    if started.command[0] == "python3":  # the Arduino's has no log of ours
+        assert {LOG_LEVEL.name, LOG_FORMAT.name} <= started.given
 
 
 @every_container
