@@ -1,7 +1,6 @@
 // LaserBot Battle: the robot's Arduino. Takes commands from the Raspberry Pi over rosserial, drives two stepper motors
 // and the IR emitter, and reports hits and how it is.
 #include <Arduino.h>
-#include <avr/sleep.h>
 
 #include "src/board/analog.h"
 #include "src/board/board.h"
@@ -152,6 +151,19 @@ static void tell_health(uint32_t now) {
   loop_max = 0;
 }
 
+// Sleeps until there is something to do: a byte, an edge of light or the next millisecond. Within a packet of light it
+// is until the next interrupt: the packet's end is no edge, and is to be told soon.
+static void rest(uint32_t now) {
+  do {
+    noInterrupts();
+    if (uart::waiting() || light::waiting() || millis() != now) {
+      interrupts();
+      return;
+    }
+    board::sleep();
+  } while (!decoder.begun());
+}
+
 void setup() {
   light::begin();
   board::begin();
@@ -178,6 +190,5 @@ void loop() {
   watchdog::feed();
   const uint32_t took = board::cycles() - began;
   if (took > loop_max) loop_max = took;
-  // Until the next interrupt: the motors' tick comes every 0.2 ms, a byte or an edge of light wakes at once.
-  sleep_mode();
+  rest(now);
 }

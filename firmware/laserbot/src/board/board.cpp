@@ -100,6 +100,13 @@ bool sound() {
          TCCR0B == (_BV(CS01) | _BV(CS00));
 }
 
+void sleep() {
+  sleep_enable();
+  sei();
+  sleep_cpu();
+  sleep_disable();
+}
+
 void shut_down() {
   cli();
   PORTB &= ~LEFT_COILS;

@@ -21,6 +21,10 @@ uint32_t cycles();
 // Whether the registers are as begin() has left them and the tick comes; to be called in each turn of the loop.
 bool sound();
 
+// Sleeps until the next interrupt. Called with interrupts off, it returns with interrupts on: one that comes between
+// the caller's last look and the sleep ends the sleep.
+void sleep();
+
 // At once: coils and light off, no more interrupts.
 void shut_down();
 

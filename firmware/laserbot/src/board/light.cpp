@@ -105,6 +105,8 @@ uint16_t clock() {
   return now & TIME_MASK;
 }
 
+bool waiting() { return !edges.empty(); }
+
 bool take_edge(Edge &edge, bool &lost) {
   lost = edges_lost;
   if (edges.empty()) return false;

@@ -26,7 +26,10 @@ struct Edge {
   uint16_t at;
 };
 
-// Whether there is an edge; takes it. `lost` is set if others before it were lost.
+// Whether there is an edge.
+bool waiting();
+
+// The same; takes it. `lost` is set if others before it were lost.
 bool take_edge(Edge &edge, bool &lost);
 
 // Whether the registers are as begin() has left them.

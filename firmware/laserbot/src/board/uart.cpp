@@ -55,6 +55,8 @@ void begin() {
   UCSR0B = ENABLED;
 }
 
+bool waiting() { return !received.empty(); }
+
 bool read(uint8_t &byte) {
   if (received.empty()) return false;
   byte = received.take();

@@ -9,7 +9,10 @@ namespace uart {
 
 void begin();
 
-// Whether there is a byte; takes it.
+// Whether there is a byte.
+bool waiting();
+
+// The same; takes it.
 bool read(uint8_t &byte);
 
 // Bytes that were lost because nobody took them in time, since the start.

@@ -56,6 +56,9 @@ class Decoder {
     return whole && good();
   }
 
+  // Whether a packet, or what may become one, has begun.
+  bool begun() const { return state_ != State::IDLE; }
+
   // Forgets what has begun: something was missed, or is not to be seen.
   void reset() { state_ = State::IDLE; }
 
