@@ -152,16 +152,18 @@ static void tell_health(uint32_t now) {
 }
 
 // Sleeps until there is something to do: a byte, an edge of light or the next millisecond. Within a packet of light it
-// is until the next interrupt: the packet's end is no edge, and is to be told soon.
+// is the next tick at the latest: the packet's end is no edge, and has to be told soon.
 static void rest(uint32_t now) {
+  const bool in_packet = decoder.begun();
   do {
     noInterrupts();
     if (uart::waiting() || light::waiting() || millis() != now) {
       interrupts();
       return;
     }
+    if (in_packet) board::need_tick();
     board::sleep();
-  } while (!decoder.begun());
+  } while (!in_packet);
 }
 
 void setup() {

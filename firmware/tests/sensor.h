@@ -1,5 +1,5 @@
 // The light sensor's pin in virtual time, and the firmware behind it as the Arduino runs it: edges are noted by an
-// interrupt that is masked until the next tick, the loop looks every 0.2 ms.
+// interrupt that is masked until the next tick, the loop looks at each edge and, within a packet, every 0.2 ms.
 #pragma once
 
 #include <stddef.h>

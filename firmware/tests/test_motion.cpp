@@ -133,6 +133,25 @@ TEST(a_movement_makes_no_more_half_steps_than_it_says) {
   CHECK_EQUAL(40, steps);
 }
 
+TEST(ticks_at_rest_change_nothing_so_that_they_may_be_left_out) {
+  Rig ticked, left_out;
+  CHECK(ticked.drive.at_rest());
+  for (Rig *rig : {&ticked, &left_out}) {
+    rig->command(1, 1);
+    CHECK(!rig->drive.at_rest());
+    while (!rig->drive.at_rest()) rig->run_ticks(1);
+    CHECK(!rig->left.energised && !rig->right.energised);
+  }
+  ticked.run_ticks(7);
+  CHECK(ticked.drive.at_rest());
+  for (Rig *rig : {&ticked, &left_out}) rig->command(-1, 0);
+  for (int tick = 0; tick < 2000; ++tick) {
+    for (Rig *rig : {&ticked, &left_out}) rig->run_ticks(1);
+    CHECK_EQUAL(ticked.drive.left_coils(), left_out.drive.left_coils());
+    CHECK_EQUAL(ticked.drive.right_coils(), left_out.drive.right_coils());
+  }
+}
+
 TEST(a_motor_starts_slowly_and_is_at_full_speed_within_100_ms) {
   Rig rig;
   rig.command(1, 0);

@@ -41,7 +41,7 @@ def _library() -> ctypes.CDLL:
     loaded = ctypes.CDLL(str(library))
     library.unlink()
     loaded.uno_new.restype = ctypes.c_void_p
-    for name in ("uno_cycle", "uno_sent", "uno_carrier_edges"):
+    for name in ("uno_cycle", "uno_awake_until", "uno_sent", "uno_carrier_edges"):
         getattr(loaded, name).restype = ctypes.c_uint64
     loaded.uno_position.restype = ctypes.c_int64
     loaded.uno_beam.restype = ctypes.c_bool
@@ -89,6 +89,13 @@ class Uno:
                 self.send(commands)
             self._call.uno_run_until(self._uno, ctypes.c_uint64(min(self.now + MS // 4, end)))
             self._listen()
+
+    def awake(self, seconds: float) -> float:
+        """Live on, and the part of the time for which the CPU does not sleep."""
+        start = self.now
+        awake = self._call.uno_awake_until(self._uno, ctypes.c_uint64(start + int(seconds * CYCLES_PER_SECOND)))
+        self._listen()
+        return float(awake) / (self.now - start)
 
     def _listen(self) -> None:
         data = ctypes.create_string_buffer(256)

@@ -41,6 +41,24 @@ void uno_run_until(struct board *board, uint64_t cycle)
 	}
 }
 
+/* How many of the cycles until `cycle` the AVR is awake: instruction by instruction. */
+uint64_t uno_awake_until(struct board *board, uint64_t cycle)
+{
+	avr_t *avr = board->avr;
+	uint64_t awake = 0;
+
+	while (avr->cycle < cycle) {
+		const uint64_t before = avr->cycle;
+		const bool asleep = avr->state == cpu_Sleeping;
+
+		avr->run_cycle_limit = avr->run_cycle_count = 1;
+		avr_run(avr);
+		if (!asleep)
+			awake += avr->state == cpu_Sleeping ? 1 : avr->cycle - before;
+	}
+	return awake;
+}
+
 void uno_receive(struct board *board, const uint8_t *bytes, size_t length)
 {
 	uart_receive(&board->uart, bytes, length);

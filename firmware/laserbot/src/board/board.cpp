@@ -26,10 +26,10 @@ constexpr uint8_t LEFT_COILS = 0x0f;   // of port B
 constexpr uint8_t RIGHT_COILS = 0xf0;  // of port D
 constexpr uint8_t LED = _BV(PB5);
 
-constexpr uint16_t TICK_CYCLES = F_CPU / TICKS_PER_SECOND;
-static_assert(F_CPU % TICKS_PER_SECOND == 0, "the tick must be exact, or the motors' speed is not");
+// While both motors stand: 1 ms.
+constexpr uint16_t RESTING_GAP = 5 * board::TICK_CYCLES;
 
-// Turns of the loop without a tick that are too many. Each interrupt makes one; there are some 7 a tick at most.
+// Turns of the loop without a tick that are too many. Each interrupt makes one; there are some 20 in 1 ms at most.
 constexpr uint8_t TURNS_WITHOUT_TICK = 200;
 
 Drive motors;
@@ -40,18 +40,24 @@ uint8_t tick_seen = 0;
 
 namespace board {
 volatile uint32_t tick_time = 0;
+volatile uint16_t tick_gap = TICK_CYCLES;
 }  // namespace board
 
 ISR(TIMER1_COMPA_vect) {
-  const uint32_t time = board::tick_time + TICK_CYCLES;
+  const bool resting = motors.at_rest();
+  const uint16_t gap = resting ? RESTING_GAP : board::TICK_CYCLES;
+  const uint32_t time = board::tick_time + board::tick_gap;
   board::tick_time = time;
-  OCR1A = static_cast<uint16_t>(time) + TICK_CYCLES;
-  if (motors.tick()) {
-    PORTB = (PORTB & ~LEFT_COILS) | motors.left_coils();
-    PORTD = (PORTD & ~RIGHT_COILS) | motors.right_coils() << 4;
-  }
-  watchdog::tick();
+  board::tick_gap = gap;
+  OCR1A = static_cast<uint16_t>(time) + gap;
+  watchdog::tick(time);
   light::tick();
+  if (!resting && motors.tick()) {
+    const uint8_t left = (PORTB & ~LEFT_COILS) | motors.left_coils();
+    const uint8_t right = (PORTD & ~RIGHT_COILS) | motors.right_coils() << 4;
+    PORTB = left;
+    PORTD = right;
+  }
 }
 
 namespace board {
@@ -72,7 +78,10 @@ void begin() {
 }
 
 void drive(const Movement &movement) {
-  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) { motors.command(movement); }
+  ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+    motors.command(movement);
+    hurry();
+  }
 }
 
 // Single-instruction writes (sbi, cbi): the tick writes the other bits of this port.
@@ -99,6 +108,8 @@ bool sound() {
          (DDRD & RIGHT_COILS) == RIGHT_COILS && TIMSK0 == _BV(TOIE0) && TCCR0A == (_BV(WGM01) | _BV(WGM00)) &&
          TCCR0B == (_BV(CS01) | _BV(CS00));
 }
+
+void need_tick() { hurry(); }
 
 void sleep() {
   sleep_enable();

@@ -21,6 +21,9 @@ uint32_t cycles();
 // Whether the registers are as begin() has left them and the tick comes; to be called in each turn of the loop.
 bool sound();
 
+// The next tick interrupts, even if the motors do not need it. To be called with interrupts off.
+void need_tick();
+
 // Sleeps until the next interrupt. Called with interrupts off, it returns with interrupts on: one that comes between
 // the caller's last look and the sleep ends the sleep.
 void sleep();

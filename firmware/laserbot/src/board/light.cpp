@@ -48,12 +48,13 @@ ISR(TIMER1_COMPB_vect) {
 }
 
 // INT0 comes before every other interrupt: a sensor that oscillates could stop the motors' tick and the UART for ever.
-// So it is masked until the next tick (0.2 ms); an edge meanwhile is latched by the hardware and served then. The marks
-// and spaces of a packet are longer.
+// So it is masked until the next tick (0.2 ms, also while the motors stand); an edge meanwhile is latched by the
+// hardware and served then. The marks and spaces of a packet are longer.
 ISR(INT0_vect) {
   const uint16_t at = board::cycles_in_interrupt() >> 8;
   const bool light = (PIND & SENSOR) == 0;
   EIMSK = 0;
+  board::hurry();
   if (edges.room() > 0) {
     edges.put((at & light::TIME_MASK) | (light ? LIGHT_BIT : 0));
   } else {

@@ -24,7 +24,7 @@ constexpr uint16_t DIVISOR = 16;
 constexpr uint8_t FORMAT = _BV(UCSZ01) | _BV(UCSZ00);  // 8N1
 constexpr uint8_t ENABLED = _BV(RXEN0) | _BV(TXEN0) | _BV(RXCIE0);
 
-RingBuffer<uint8_t, 64> received;  // 11 ms of a line without pauses; the loop looks every 0.2 ms
+RingBuffer<uint8_t, 64> received;  // 11 ms of a line without pauses; each byte wakes the loop
 RingBuffer<uint8_t, 256> to_send;
 uint16_t lost = 0;
 

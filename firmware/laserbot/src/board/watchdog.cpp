@@ -9,7 +9,9 @@
 namespace {
 
 constexpr uint8_t PERIOD = WDTO_120MS;
-constexpr uint16_t HUNGRY_TICKS = 400;  // 78 ms: the watchdog's clock is 10 % exact
+
+// Times are in units of 256 cycles, 16 us, and wrap after 1 s.
+constexpr uint16_t HUNGRY = 78000 / 16;  // the watchdog's clock is 10 % exact
 
 // GPIOR0 keeps its bits when the program starts again without a reset.
 constexpr uint8_t STARTED = _BV(0);
@@ -21,7 +23,8 @@ struct Left {
   uint8_t ucsr0b;
   uint8_t gpior0;
   uint16_t magic;
-  volatile uint16_t ticks;  // since the watchdog was fed
+  volatile uint16_t now;  // the last tick
+  volatile uint16_t fed;  // the last one before the watchdog was fed
 };
 Left left __attribute__((section(".noinit")));
 
@@ -33,7 +36,7 @@ uint8_t find_cause() {
   if (left.gpior0 & STARTED) return watchdog::WATCHDOG;
   if (left.mcusr != 0) return left.mcusr;
   if (left.magic != MAGIC) return watchdog::POWER_ON;
-  return left.ticks >= HUNGRY_TICKS ? watchdog::WATCHDOG : watchdog::RESET_PIN;
+  return left.now - left.fed >= HUNGRY ? watchdog::WATCHDOG : watchdog::RESET_PIN;
 }
 
 }  // namespace
@@ -57,7 +60,7 @@ void begin() {
   if (left.mcusr != 0 && left.ucsr0b != 0) GPIOR0 |= OLD_BOOTLOADER;
   GPIOR0 |= STARTED;
   left.magic = MAGIC;
-  left.ticks = 0;
+  left.now = left.fed = 0;
   const uint8_t mode = GPIOR0 & OLD_BOOTLOADER ? _BV(WDIE) : _BV(WDE);
   const uint8_t interrupts = SREG;
   cli();
@@ -71,13 +74,13 @@ void feed() {
   wdt_reset();
   const uint8_t interrupts = SREG;
   cli();
-  left.ticks = 0;
+  left.fed = left.now;
   SREG = interrupts;
 }
 
 void restart() {
   board::shut_down();
-  left.ticks = HUNGRY_TICKS;
+  left.fed = left.now - HUNGRY;
   if (GPIOR0 & OLD_BOOTLOADER) {
     wdt_disable();
     asm volatile("jmp 0");
@@ -89,9 +92,6 @@ void restart() {
 
 uint8_t reset_cause() { return cause; }
 
-void tick() {
-  const uint16_t ticks = left.ticks;
-  if (ticks < HUNGRY_TICKS) left.ticks = ticks + 1;
-}
+void tick(uint32_t time) { left.now = time >> 8; }
 
 }  // namespace watchdog

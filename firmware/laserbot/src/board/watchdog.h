@@ -25,7 +25,8 @@ void restart();
 // is left in the RAM, and a brown-out counts as a power-on.
 uint8_t reset_cause();
 
-// For the motors' tick: how long ago feed() was called tells a hanging program from a pressed button.
-void tick();
+// For the motors' tick, with its time in cycles: how long ago feed() was called tells a hanging program from a pressed
+// button.
+void tick(uint32_t time);
 
 }  // namespace watchdog

@@ -25,6 +25,9 @@ class Drive {
     return left_changed || right_changed;
   }
 
+  // Whether ticks change nothing until the next command: what is left of the dead-man's time would stop nothing.
+  bool at_rest() const { return left_.at_rest() && right_.at_rest(); }
+
   uint8_t left_coils() const { return left_.coils(); }
   uint8_t right_coils() const { return right_.coils(); }
 

@@ -69,6 +69,9 @@ class Stepper {
     return true;
   }
 
+  // Whether ticks change nothing until the next move().
+  bool at_rest() const { return remaining_ == 0 && hold_ == 0 && rest_ == 0 && credit_ >= STEP_COST; }
+
   // The four driver inputs IN1..IN4 as bits 0..3. The phase outlives the switching off: the next half-step follows the
   // last one, no step is lost. This is the order of AccelStepper's HALF4WIRE with its pins given as IN1, IN3, IN2, IN4.
   uint8_t coils() const {
