@@ -74,13 +74,12 @@ static void on_message(uint32_t now) {
   }
 }
 
-static void listen(uint32_t now) {
-  const rosserial::Now both(now, micros());
+static void listen(const rosserial::Now &now) {
   uint8_t byte;
-  while (client.message(both)) on_message(now);
+  while (client.message(now)) on_message(now.ms);
   while (uart::read(byte)) {
-    client.receive(byte, both);
-    while (client.message(both)) on_message(now);
+    client.receive(byte, now);
+    while (client.message(now)) on_message(now.ms);
   }
 }
 
@@ -178,14 +177,15 @@ void setup() {
 void loop() {
   const uint32_t began = board::cycles();
   const uint32_t now = millis();
+  const rosserial::Now both(now, micros());
   if (now - commanded_at >= DEAD_MAN_MS) commanded = false;
-  listen(now);
+  listen(both);
   shoot(now);
   look(now);
   if (identify.update(now)) board::drive(movement_of(0, identify.turn()));
   board::led(identify.led());
   analog::update(now);
-  client.spin(rosserial::Now(now, micros()));
+  client.spin(both);
   tell_health(now);
 
   if (!board::sound() || !light::sound() || !uart::sound() || !kept.sound()) watchdog::restart();

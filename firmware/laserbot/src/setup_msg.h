@@ -38,15 +38,16 @@ class KeptSetup {
 
   // False: the RAM was disturbed.
   bool sound() const {
-    const Setup wanted = inverse(setup_);
-    return wanted.id == check_.id && wanted.team == check_.team && wanted.mode == check_.mode &&
-           wanted.cooldown == check_.cooldown && wanted.damage == check_.damage;
+    return opposite(setup_.id, check_.id) && opposite(setup_.team, check_.team) && opposite(setup_.mode, check_.mode) &&
+           (setup_.cooldown ^ check_.cooldown) == 0xffff && opposite(setup_.damage, check_.damage);
   }
 
   static constexpr uint8_t NOBODY = 0xff;  // no light carries this ID
   static constexpr uint16_t DEFAULT_COOLDOWN_MS = 500;
 
  private:
+  static bool opposite(uint8_t value, uint8_t check) { return (value ^ check) == 0xff; }
+
   static Setup inverse(const Setup &setup) {
     return Setup{static_cast<uint8_t>(~setup.id), static_cast<uint8_t>(~setup.team),
                  static_cast<Mode>(~setup.mode & 0xff), static_cast<uint16_t>(~setup.cooldown),
