@@ -31,10 +31,12 @@ struct robot_state {
 struct arena_link {
 	struct address arena;
 	char robot[ROBOT_NAME_MAX + 1];
-	int wake; /* eventfd: the beam or the carrier has changed */
+	int wake; /* eventfd: there is something to be told */
+	int news; /* eventfd: there is light to be seen */
 
 	pthread_mutex_t lock; /* guards what follows */
 	struct robot_state state;
+	bool attentive; /* the thread looks at the wheels within 10 ms, publishing need not wake it */
 	struct carrier_edge edges[EDGES];
 	size_t edges_length;
 	struct light_event lights[LIGHT_EVENTS]; /* ring */
@@ -57,6 +59,15 @@ static struct robot_state current_state(struct arena_link *link)
 	return state;
 }
 
+/* Errors do not matter: the counter is full, or the other thread looks by itself soon. */
+static void notify(int event)
+{
+	const uint64_t one = 1;
+
+	if (write(event, &one, sizeof one) < 0)
+		return;
+}
+
 static size_t light_room(struct arena_link *link)
 {
 	pthread_mutex_lock(&link->lock);
@@ -71,6 +82,7 @@ static void report_light(struct arena_link *link, struct light_event event)
 	if (link->lights_length < LIGHT_EVENTS)
 		link->lights[(link->lights_start + link->lights_length++) % LIGHT_EVENTS] = event;
 	pthread_mutex_unlock(&link->lock);
+	notify(link->news);
 }
 
 /* False: the connection is useless. A message that does not fit means an arena that reads nothing. */
@@ -168,6 +180,20 @@ static bool listen_to_arena(struct arena_link *link, struct connection *connecti
 	return true;
 }
 
+static bool wheels_differ(const struct robot_state *one, const struct robot_state *other)
+{
+	return one->left != other->left || one->right != other->right;
+}
+
+/* How long the thread may wait for events, in ms; -1: for ever, since publishing wakes it when the wheels turn. */
+static int patience(struct arena_link *link, const struct connection *connection, size_t room)
+{
+	pthread_mutex_lock(&link->lock);
+	const bool untold = link->attentive = wheels_differ(&link->state, &connection->told);
+	pthread_mutex_unlock(&link->lock);
+	return untold || room == 0 ? WHEELS_EVERY_MS : -1;
+}
+
 static uint64_t now_us(void)
 {
 	struct timespec now;
@@ -188,7 +214,7 @@ static void converse(struct arena_link *link, struct connection *connection)
 			{.fd = connection->socket, .events = room ? POLLIN : 0},
 			{.fd = link->wake, .events = POLLIN},
 		};
-		poll(events, 2, WHEELS_EVERY_MS);
+		poll(events, 2, patience(link, connection, room));
 		if (events[1].revents && read(link->wake, &beam_changes, sizeof beam_changes) < 0)
 			return;
 		if (events[0].revents && !listen_to_arena(link, connection, room))
@@ -198,8 +224,7 @@ static void converse(struct arena_link *link, struct connection *connection)
 		const struct robot_state state = current_state(link);
 		if (state.beam != connection->told.beam && !tell_beam(connection, &state))
 			return;
-		if ((state.left != connection->told.left || state.right != connection->told.right) &&
-		    now_us() - wheels_told >= 1000 * WHEELS_EVERY_MS) {
+		if (wheels_differ(&state, &connection->told) && now_us() - wheels_told >= 1000 * WHEELS_EVERY_MS) {
 			wheels_told = now_us();
 			if (!tell_wheels(connection, &state))
 				return;
@@ -245,8 +270,9 @@ struct arena_link *arena_link_start(const struct address *arena, const char *rob
 	link->arena = *arena;
 	snprintf(link->robot, sizeof link->robot, "%s", robot);
 	link->wake = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+	link->news = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
 	pthread_mutex_init(&link->lock, NULL);
-	if (link->wake < 0 || pthread_create(&thread, NULL, run, link) != 0) {
+	if (link->wake < 0 || link->news < 0 || pthread_create(&thread, NULL, run, link) != 0) {
 		fprintf(stderr, "avr_robot: cannot start the thread of the arena link: %s\n", strerror(errno));
 		free(link);
 		return NULL;
@@ -257,28 +283,39 @@ struct arena_link *arena_link_start(const struct address *arena, const char *rob
 
 void arena_link_publish(struct arena_link *link, int64_t left, int64_t right, bool beam)
 {
-	const uint64_t one = 1;
+	const struct robot_state state = {.left = left, .right = right, .beam = beam};
 
 	pthread_mutex_lock(&link->lock);
-	const bool urgent = beam != link->state.beam;
-	link->state = (struct robot_state){.left = left, .right = right, .beam = beam};
+	const bool urgent = beam != link->state.beam || (!link->attentive && wheels_differ(&state, &link->state));
+	link->state = state;
+	link->attentive |= urgent;
 	pthread_mutex_unlock(&link->lock);
-	if (urgent && write(link->wake, &one, sizeof one) < 0)
-		return; /* the thread looks by itself within 10 ms */
+	if (urgent)
+		notify(link->wake);
 }
 
 void arena_link_send_edges(struct arena_link *link, const struct carrier_edge *edges, size_t length)
 {
-	const uint64_t one = 1;
-
 	if (length == 0)
 		return;
 	pthread_mutex_lock(&link->lock);
 	for (size_t i = 0; i < length && link->edges_length < EDGES; i++)
 		link->edges[link->edges_length++] = edges[i];
 	pthread_mutex_unlock(&link->lock);
-	if (write(link->wake, &one, sizeof one) < 0)
-		return; /* the thread looks by itself within 10 ms */
+	notify(link->wake);
+}
+
+int arena_link_descriptor(const struct arena_link *link)
+{
+	return link->news;
+}
+
+void arena_link_await_light(struct arena_link *link)
+{
+	uint64_t events;
+
+	if (read(link->news, &events, sizeof events) < 0)
+		return; /* nothing has come */
 }
 
 bool arena_link_take_light(struct arena_link *link, struct light_event *event)

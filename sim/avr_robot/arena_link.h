@@ -35,6 +35,12 @@ struct light_event {
 	uint64_t cycle;  /* and when in its own time */
 };
 
+/* A descriptor that is readable when events have come since arena_link_await_light(). */
+int arena_link_descriptor(const struct arena_link *link);
+
+/* What has come so far is no news any more. */
+void arena_link_await_light(struct arena_link *link);
+
 /* The next event, in the order in which the arena reported them; false if there is none. */
 bool arena_link_take_light(struct arena_link *link, struct light_event *event);
 

@@ -8,10 +8,13 @@
 
 #include <errno.h>
 #include <inttypes.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
+
+#include <simavr/sim_avr.h>
 
 enum {
 	SLICE_NS = 1000000,               /* the AVR runs in slices of 1 ms, then waits for the clock */
@@ -20,6 +23,9 @@ enum {
 	CATCH_UP_NS = 100 * SLICE_NS,     /* lost time that is caught up: a busy moment, not a suspended machine */
 	NEWS_NS = SLICE_NS / 5,           /* how often the AVR looks for the news of a light that it waits for */
 	NEWS_PATIENCE = CATCH_UP_NS / NEWS_NS, /* times */
+	DOZE_SLICES = 2,                  /* a robot to which nothing happens lives so many slices at once */
+	QUIET_CYCLES = AVR_HZ / 10,       /* after so long without an event */
+	SIGNALS_EVERY_SLICES = 10,
 	TICK_CYCLES = AVR_HZ / 100,       /* of the trace */
 	REPORT_EVERY_SLICES = 10000,      /* time given up is reported at most as often */
 };
@@ -30,6 +36,8 @@ struct robot {
 	struct serial_line *line;
 	struct arena_link *arena; /* NULL: none */
 	struct trace trace;
+	uint64_t quiet_from; /* cycle, unless something happens before */
+	bool dozed;          /* it has dozed, and nothing has come in */
 };
 
 static int64_t now_ns(void)
@@ -37,6 +45,22 @@ static int64_t now_ns(void)
 	struct timespec now;
 	clock_gettime(CLOCK_MONOTONIC, &now);
 	return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
+}
+
+static void stay_awake(struct robot *robot)
+{
+	robot->quiet_from = robot->board.avr->cycle + QUIET_CYCLES;
+}
+
+/* Whether the robot does something by itself that others see, or is going to. */
+static bool is_active(const struct board *board)
+{
+	const struct emitter *emitter = &board->emitter;
+	const struct receiver *receiver = &board->receiver;
+
+	return board->uart.sent_length > 0 || board->uart.line_busy || board->left.stepper.pattern ||
+	       board->right.stepper.pattern || emitter->plain || emitter->in_packet || receiver->edges_length > 0 ||
+	       receiver->lamp;
 }
 
 /* Wait for the start of the slice that is due at `due`; returns the time given up because it was too long ago. */
@@ -52,14 +76,41 @@ static int64_t wait_for(int64_t due)
 	return 0;
 }
 
+/*
+ * Wait until `due`, or until something comes in; returns whether nothing has. So a robot that dozes hears and sees as soon
+ * as one that is awake, and what it says by itself comes up to a slice later.
+ */
+static bool doze(const struct robot *robot, int64_t due)
+{
+	const int64_t time = due - now_ns();
+	struct pollfd news[SERIAL_DESCRIPTORS + 1] = {{.fd = robot->arena ? arena_link_descriptor(robot->arena) : -1}};
+	int line[SERIAL_DESCRIPTORS];
+
+	if (time <= 0)
+		return false;
+	robot->line->watch(robot->line, line);
+	for (size_t i = 0; i < SERIAL_DESCRIPTORS; i++)
+		news[i + 1].fd = line[i];
+	for (size_t i = 0; i < SERIAL_DESCRIPTORS + 1; i++)
+		news[i].events = POLLIN;
+	const int events = ppoll(news, SERIAL_DESCRIPTORS + 1, &(struct timespec){.tv_nsec = (long)time}, NULL);
+	if (news[0].revents)
+		arena_link_await_light(robot->arena);
+	return events == 0;
+}
+
 static void read_line(struct robot *robot)
 {
 	uint8_t bytes[UART_QUEUE_BYTES];
 	struct uart *uart = &robot->board.uart;
 	const size_t length = robot->line->receive(robot->line, bytes, uart_room(uart));
 
-	if (robot->options->bootloader && robot->line->opened(robot->line))
+	if (robot->options->bootloader && robot->line->opened(robot->line)) {
 		board_reset(&robot->board); /* before the bytes: they may be the opener's */
+		stay_awake(robot);
+	}
+	if (length > 0)
+		stay_awake(robot);
 	uart_receive(uart, bytes, length);
 }
 
@@ -79,6 +130,7 @@ static void see(struct robot *robot)
 	struct light_event event;
 
 	while (arena_link_take_light(robot->arena, &event)) {
+		stay_awake(robot);
 		switch (event.kind) {
 		case LIGHT_DARK: receiver_darken(receiver); return;
 		case LIGHT_PLAIN: receiver_shine(receiver, event.on); return;
@@ -122,12 +174,15 @@ static bool run_slice(struct robot *robot, uint64_t end)
 
 	if (robot->arena)
 		wait_for_news(robot, end);
-	read_line(robot);
+	if (!robot->dozed)
+		read_line(robot);
 	for (int part = LIGHTS_PER_SLICE - 1; part >= 0 && alive; part--) {
 		if (robot->arena)
 			see(robot);
 		alive = board_run_until(board, end - (uint64_t)part * (SLICE_CYCLES / LIGHTS_PER_SLICE));
 	}
+	if (is_active(board))
+		stay_awake(robot);
 	write_line(robot);
 	if (robot->arena)
 		report(robot);
@@ -146,13 +201,22 @@ static void report_lost(const struct robot *robot, int64_t *lost_ns)
 	*lost_ns = 0;
 }
 
+static bool is_to_end(const sigset_t *end_signals)
+{
+	return sigtimedwait(end_signals, NULL, &(struct timespec){0}) >= 0;
+}
+
 /* Run until SIGINT or SIGTERM (0) or until the firmware ends (1). */
 static int live(struct robot *robot, const sigset_t *end_signals)
 {
 	int64_t start = now_ns(), lost = 0;
 
-	for (int64_t slice = 0; sigtimedwait(end_signals, NULL, &(struct timespec){0}) < 0; slice++) {
-		const int64_t late = wait_for(start + slice * SLICE_NS);
+	for (int64_t slice = 0; slice % SIGNALS_EVERY_SLICES != 0 || !is_to_end(end_signals); slice++) {
+		const int64_t due = start + slice * SLICE_NS;
+		const bool quiet = robot->board.avr->cycle >= robot->quiet_from;
+		if (slice % DOZE_SLICES == 0)
+			robot->dozed = quiet && doze(robot, due + (DOZE_SLICES - 1) * SLICE_NS);
+		const int64_t late = wait_for(due);
 		start += late;
 		lost += late;
 		if (slice % REPORT_EVERY_SLICES == 0)

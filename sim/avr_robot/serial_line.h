@@ -8,6 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+enum { SERIAL_DESCRIPTORS = 2 };
+
 struct serial_line {
 	/* Up to `size` bytes that the host has sent; 0 if none. */
 	size_t (*receive)(struct serial_line *line, uint8_t *bytes, size_t size);
@@ -18,6 +20,8 @@ struct serial_line {
 	bool (*opened)(struct serial_line *line);
 	/* Bytes for the host. What does not fit, or nobody listens to, is lost as on a real cable. */
 	void (*transmit)(struct serial_line *line, const uint8_t *bytes, size_t length);
+	/* Descriptors that are readable when receive() or opened() has news, and -1 for none. */
+	void (*watch)(const struct serial_line *line, int descriptors[SERIAL_DESCRIPTORS]);
 	/* Leave nothing behind and free `line`. */
 	void (*close)(struct serial_line *line);
 	char address[512]; /* for people */

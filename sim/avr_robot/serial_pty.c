@@ -57,6 +57,14 @@ static void pty_transmit(struct serial_line *line, const uint8_t *bytes, size_t 
 	}
 }
 
+static void pty_watch(const struct serial_line *line, int descriptors[SERIAL_DESCRIPTORS])
+{
+	const struct serial_pty *pty = (const struct serial_pty *)line;
+
+	descriptors[0] = pty->master;
+	descriptors[1] = pty->openings;
+}
+
 static void pty_close(struct serial_line *line)
 {
 	struct serial_pty *pty = (struct serial_pty *)line;
@@ -126,7 +134,11 @@ struct serial_line *serial_pty_open(const char *link, bool watched)
 	if (!pty)
 		return NULL;
 	*pty = (struct serial_pty){
-		.line = {.receive = pty_receive, .opened = pty_opened, .transmit = pty_transmit, .close = pty_close},
+		.line = {.receive = pty_receive,
+		         .opened = pty_opened,
+		         .transmit = pty_transmit,
+		         .watch = pty_watch,
+		         .close = pty_close},
 		.master = -1,
 		.slave = -1,
 		.openings = -1,

@@ -73,6 +73,14 @@ static void tcp_transmit(struct serial_line *line, const uint8_t *bytes, size_t 
 		return; /* lost; tcp_receive() notices if the client has gone */
 }
 
+static void tcp_watch(const struct serial_line *line, int descriptors[SERIAL_DESCRIPTORS])
+{
+	const struct serial_tcp *tcp = (const struct serial_tcp *)line;
+
+	descriptors[0] = tcp->listener;
+	descriptors[1] = tcp->client;
+}
+
 static void tcp_close(struct serial_line *line)
 {
 	struct serial_tcp *tcp = (struct serial_tcp *)line;
@@ -120,7 +128,11 @@ struct serial_line *serial_tcp_open(const struct address *listen_at)
 	if (!tcp)
 		return NULL;
 	*tcp = (struct serial_tcp){
-		.line = {.receive = tcp_receive, .opened = tcp_opened, .transmit = tcp_transmit, .close = tcp_close},
+		.line = {.receive = tcp_receive,
+		         .opened = tcp_opened,
+		         .transmit = tcp_transmit,
+		         .watch = tcp_watch,
+		         .close = tcp_close},
 		.listener = -1,
 		.client = -1,
 	};

@@ -8,6 +8,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 
 from tests.support.avr import (
@@ -184,6 +185,16 @@ def test_two_robots_run_at_once_and_apart(tmp_path: Path) -> None:
         host.send(command(1, 0))
         until(lambda: mover.position("left") == -320, 5, "the first robot drives")
         assert other.cycles_of("coil") == []
+
+
+def test_a_robot_to_which_nothing_happens_wakes_its_computer_half_as_often(tmp_path: Path) -> None:
+    with avr_robot("--serial", tmp_path / "tty") as robot:
+        robot.let_pass(0.5)  # the firmware tells its topics first
+        process = psutil.Process(robot.program.process.pid)
+        start, before = robot.now, process.num_ctx_switches().voluntary
+        robot.let_pass(1.0)
+        slices = 1000 * (robot.now - start) / CYCLES_PER_SECOND
+        assert process.num_ctx_switches().voluntary - before < 0.7 * slices
 
 
 @pytest.mark.slow
