@@ -3,12 +3,17 @@
 import os
 import signal
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
+from xdist.remote import Producer
 
+from tests.support.costs import Costs
+from tests.support.demo import Demo, Demos
 from tests.support.leaks import adopt_orphans, nothing_left
+from tests.support.programs import last_words
+from tests.support.workers import Scheduling
 
 # A shell starts background programs with SIGINT ignored, and so would be what the tests start and stop by SIGINT.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -19,6 +24,24 @@ signal.signal(signal.SIGTERM, signal.default_int_handler)
 os.environ["LASERBOT_LED"] = "none"
 
 adopt_orphans()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(Costs())
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> Scheduling:
+    return Scheduling(config, log)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """A failure shows what the programs of the test have said."""
+    report = yield
+    if report.failed:
+        report.sections += last_words()
+    return report
 
 
 @pytest.fixture(scope="session")
@@ -37,3 +60,16 @@ def leaves_nothing(temporary_files: Path) -> Iterator[None]:
     """What a test itself starts, it ends; what its module shares is there before it."""
     with nothing_left(temporary_files):
         yield
+
+
+@pytest.fixture(scope="session")
+def demos(temporary_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demos]:
+    demos = Demos(tmp_path_factory.mktemp("journal"))
+    yield demos
+    demos.end()
+
+
+@pytest.fixture
+def demo(demos: Demos) -> Iterator[Demo]:
+    """A demo of two robots that all tests share."""
+    yield from demos.lend()

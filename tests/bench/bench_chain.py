@@ -22,7 +22,7 @@ import psutil
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from sim.arena.protocol import carrier
-from tests.browser.conftest import FLAGS
+from tests.browser.conftest import CHROMIUM, FLAGS
 from tests.support.battle import Battle
 from tests.support.play import keep_turning
 from tests.support.player import Player
@@ -332,7 +332,7 @@ def bench(priority: str) -> None:
         sync_playwright() as playwright,
     ):
         print(f"ci/demo --robots 3: ready after {time.monotonic() - started:.1f} s", flush=True)
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
         try:
             measure(battle, browser, Path(folder), priority)
         finally:

@@ -15,7 +15,7 @@ from playwright.sync_api import Page, sync_playwright
 
 from laser_bot_battle.master import Master
 from laser_bot_battle.names import camera_parameter
-from tests.browser.conftest import FLAGS
+from tests.browser.conftest import CHROMIUM, FLAGS
 from tests.integration.sim.arena import Arena, Hardware
 from tests.support.battle import Battle
 from tests.support.polling import until
@@ -62,7 +62,7 @@ def main() -> None:
             address = f"http://127.0.0.1:{arena.view_port}/eyes/virtual{number}"
             master.call("setParam", camera_parameter(number), address)
         playwright = stack.enter_context(sync_playwright())
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
         page = browser.new_context(viewport={"width": 1280, "height": 720}).new_page()
         page.goto(battle.web)
         page.locator("#username").fill("Ann")

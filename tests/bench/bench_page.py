@@ -12,7 +12,7 @@ import time
 
 from playwright.sync_api import Page, ViewportSize, sync_playwright
 
-from tests.browser.conftest import FLAGS
+from tests.browser.conftest import CHROMIUM, FLAGS
 from tests.browser.weight import Weight
 from tests.support.battle import Battle
 from tests.support.polling import until
@@ -81,7 +81,7 @@ def enter(page: Page) -> None:
 def main() -> None:
     with Battle(robots=2, bots=1, LASERBOT_COUNTDOWN="1") as battle, sync_playwright() as playwright:
         battle.wait_until_ready()
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
         page = browser.new_context(viewport=SIZE).new_page()
         weight = Weight(page)
         page.goto(battle.web)

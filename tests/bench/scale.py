@@ -24,7 +24,7 @@ from tests.bench.bench_spectators import Guests, page_subscription
 from tests.bench.rosbridge_load import Remote
 from tests.bench.scale_load import KEYS, NUMBER_OF, Drivers, Pages, address, countdown
 from tests.support.light_robots import LightRobots
-from tests.support.polling import patience, until
+from tests.support.polling import competitors, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import HOST, RosMaster
@@ -135,7 +135,7 @@ def main() -> None:
         if row.faults and not bend:
             bend = f"It bends at {players} players: {', '.join(row.faults)}."
     print(bend or f"It does not bend up to {max(arguments.players)} players.")
-    if patience() > 1:
+    if competitors() > 1:
         print("Other programs had work for this machine's cores: on a quiet one, these figures are better.")
 
 

@@ -1,4 +1,4 @@
-"""A real Chromium (Debian's) by Playwright."""
+"""A real Chromium (Debian's), driven by Playwright."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -7,12 +7,16 @@ from typing import Any, TypeVar
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect, sync_playwright
 
+from tests.browser.axe import Looks
 from tests.browser.people import Person
+from tests.browser.played import Played, played_server
 from tests.support.battle import Battle
-from tests.support.polling import patience
+from tests.support.polling import SLOWNESS
 from tests.support.programs import ROOT
 
 Waiting = TypeVar("Waiting", BrowserContext, Page)
+# Debian's Chromium without its own windows, each of which would cost as much as the page in it
+CHROMIUM = "/usr/bin/chromium-headless-shell"
 FLAGS = [
     "--no-sandbox",
     "--disable-gpu",
@@ -25,9 +29,7 @@ FLAGS = [
 ]
 
 
-def be_patient() -> None:
-    """What is expected of a page takes longer on a busy machine."""
-    expect.set_options(timeout=20_000 * patience())  # ms
+LATEST = 60_000 * SLOWNESS  # ms; what comes at all comes sooner, and nobody waits for it longer than it takes
 
 
 def patient(make: Callable[..., Waiting]) -> Callable[..., Waiting]:
@@ -35,27 +37,21 @@ def patient(make: Callable[..., Waiting]) -> Callable[..., Waiting]:
 
     def made(**options: Any) -> Waiting:
         one = make(**options)
-        one.set_default_timeout(30_000 * patience())  # ms
+        one.set_default_timeout(LATEST)
         return one
 
     return made
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="package")
 def chromium() -> Iterator[Browser]:
-    be_patient()
+    expect.set_options(timeout=LATEST)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path="/usr/bin/chromium", headless=True, args=FLAGS)
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
         for maker in ("new_context", "new_page"):
             setattr(browser, maker, patient(getattr(browser, maker)))
         yield browser
         browser.close()
-
-
-@pytest.fixture(autouse=True)
-def as_busy_as_now() -> None:
-    """Each test has the patience that it needs when it begins."""
-    be_patient()
 
 
 @pytest.fixture(scope="session")
@@ -67,18 +63,28 @@ def screenshots() -> Path:
 
 
 @pytest.fixture
-def person(chromium: Browser, battle: Battle, request: pytest.FixtureRequest) -> Iterator[Callable[..., Person]]:
-    """Makes people in the module's `battle`; they are signed out and gone after the test. In a module with EYES they
-    look through their robots' cameras."""
-    eyes = getattr(request.module, "EYES", False)
+def person(chromium: Browser, battle: Battle) -> Iterator[Callable[..., Person]]:
+    """Makes people in the module's `battle`; they are gone after the test."""
     people: list[Person] = []
 
-    def make(name: str, *, policy: bool = True) -> Person:
-        people.append(Person(chromium, battle, name, policy=policy, eyes=eyes))
+    def make(name: str, **options: Any) -> Person:
+        people.append(Person(chromium, battle, name, **options))
         return people[-1]
 
     yield make
     for one in people:
-        one.context.request.post(f"{battle.web}/signOutUser", form={"data": one.name})
         one.context.close()
     assert [complaint for one in people for complaint in one.complaints] == []
+
+
+@pytest.fixture(scope="package")
+def played(temporary_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Played]:
+    with played_server(tmp_path_factory.mktemp("played")) as server:
+        yield server
+
+
+@pytest.fixture(params=[False, pytest.param(True, marks=pytest.mark.slow)], ids=["one look", "all looks"])
+def look(request: pytest.FixtureRequest) -> Iterator[Looks]:
+    looks = Looks(thorough=request.param)
+    yield looks
+    assert {state: lines for state, lines in looks.found.items() if lines} == {}

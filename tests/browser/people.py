@@ -15,11 +15,18 @@ ARROWS = {
 }
 
 # where a page looks for the cameras, nobody is
-BLIND = """
+WITHOUT_CAMERAS = """
 window.WebSocket = class extends WebSocket {
   constructor(url, ...more) { super(new URL(url).port === "%d" ? "ws://127.0.0.1:1/" : url, ...more); }
 };
 """
+
+# the page as it is where there is no view of the arena
+WITHOUT_ARENA = """
+new MutationObserver(() => document.querySelector("meta[name=view-port]")?.remove())
+  .observe(document, { childList: true, subtree: true });
+"""
+DESKTOP = (1280, 800)
 
 
 class Site(Place, Protocol):
@@ -41,15 +48,18 @@ class Person:
         policy: bool = True,
         locale: str = "en-GB",
         eyes: bool = False,
+        arena: bool = False,
     ) -> None:
-        """`policy`: whether the browser heeds the pages' Content-Security-Policy; `eyes`: whether they reach
-        the cameras; virtual robots' cost half a processor."""
+        """`policy`: whether the browser heeds the Content-Security-Policy. `eyes`, `arena`: whether the pages show
+        what the robots' cameras see, and the arena from above; to paint either costs half a processor."""
         self.name, self.battle = name, battle
         self.context: BrowserContext = chromium.new_context(
-            viewport={"width": 1280, "height": 800}, bypass_csp=not policy, locale=locale
+            viewport={"width": DESKTOP[0], "height": DESKTOP[1]}, bypass_csp=not policy, locale=locale
         )
         if not eyes:
-            self.context.add_init_script(BLIND % battle.relay_port)
+            self.context.add_init_script(WITHOUT_CAMERAS % battle.relay_port)
+        if not arena:
+            self.context.add_init_script(WITHOUT_ARENA)
         self.page: Page = self.context.new_page()
         self.complaints: list[str] = []
         self.page.on("pageerror", lambda error: self.complaints.append(str(error)))

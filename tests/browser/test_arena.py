@@ -12,9 +12,9 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.conftest import FLAGS
+from tests.browser.conftest import CHROMIUM, FLAGS
 from tests.integration.sim.arena import HOST, Arena, Hardware
-from tests.support.battle import Battle
+from tests.support.demo import Demo
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
@@ -104,7 +104,14 @@ def becomes(page: Page, state: str) -> None:
     page.wait_for_function("state => window.view?.state === state", arg=state, timeout=30_000)
 
 
-@pytest.fixture(params=[(1280, 720), (844, 390), (390, 844)], ids=["desktop", "landscape", "portrait"])
+@pytest.fixture(
+    params=[
+        (1280, 720),
+        pytest.param((844, 390), marks=pytest.mark.slow),
+        pytest.param((390, 844), marks=pytest.mark.slow),
+    ],
+    ids=["desktop", "landscape", "portrait"],
+)
 def sized(request: pytest.FixtureRequest, chromium: Browser) -> Iterator[Page]:
     width, height = request.param
     with chromium.new_page(viewport={"width": width, "height": height}) as page:
@@ -134,13 +141,14 @@ def test_inside_a_page_the_picture_has_the_names_and_lives_it_is_told(
     assert complaints == []
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("robots")
 def test_it_works_under_the_masters_name_in_which_policies_do_not_take_the_underscore(
     chromium: Browser, arena: Arena, pages: GamePages
 ) -> None:
     name = "laser_bot_master.local"
     flags = [*FLAGS, f"--host-resolver-rules=MAP {name} {HOST}"]
-    browser = chromium.browser_type.launch(executable_path="/usr/bin/chromium", headless=True, args=flags)
+    browser = chromium.browser_type.launch(executable_path=CHROMIUM, headless=True, args=flags)
     try:
         page = browser.new_page()
         page.goto(pages.url(arena, name, name))
@@ -175,6 +183,7 @@ def test_a_page_of_another_host_can_neither_show_the_arena_nor_speak_to_it(
         assert page.locator("iframe").is_hidden()
 
 
+@pytest.mark.slow
 def test_an_arena_that_goes_and_comes_back_is_told_and_no_error_page_is_seen(
     chromium: Browser, arena: Arena, pages: GamePages
 ) -> None:
@@ -201,10 +210,10 @@ def test_an_arena_that_goes_and_comes_back_is_told_and_no_error_page_is_seen(
         ]  # fmt: skip
 
 
-def test_by_itself_it_hears_from_rosbridge_who_plays(chromium: Browser, screenshots: Path) -> None:
-    with Battle(robots=2) as battle, Player(battle, "Ann") as ann, chromium.new_context(locale="de-DE") as context:
+def test_by_itself_it_hears_from_rosbridge_who_plays(demo: Demo, chromium: Browser, screenshots: Path) -> None:
+    with Player(demo, "Ann") as ann, chromium.new_context(locale="de-DE") as context:
         page = context.new_page()
-        page.goto(battle.view.replace("ws://", "http://").removesuffix("/view"))
+        page.goto(demo.view.replace("ws://", "http://").removesuffix("/view"))
         row = page.locator("#robots li").nth(ann.robot)
         expect(row).to_contain_text("Ann")
         expect(row).to_contain_text("nicht bereit")

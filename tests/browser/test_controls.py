@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, BrowserContext, CDPSession, Page, Route, expect
 
+from tests.browser.conftest import FLAGS
 from tests.support.polling import until
 from tests.support.programs import ROOT
 
@@ -81,8 +82,13 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def context(chromium: Browser, site: Path, request: pytest.FixtureRequest) -> Iterator[BrowserContext]:
     """A phone on its side, or what the test says."""
-    options: dict[str, Any] = {"viewport": PHONE, "has_touch": True, "is_mobile": True, **getattr(request, "param", {})}
-    made = chromium.new_context(**options)
+    made = new_context(chromium, site, **getattr(request, "param", {}))
+    yield made
+    made.close()
+
+
+def new_context(browser: Browser, site: Path, **options: Any) -> BrowserContext:
+    made = browser.new_context(**{"viewport": PHONE, "has_touch": True, "is_mobile": True, **options})
 
     def answer(route: Route) -> None:
         path = site / (route.request.url.removeprefix(HOME) or "index.html")
@@ -95,8 +101,7 @@ def context(chromium: Browser, site: Path, request: pytest.FixtureRequest) -> It
     made.route("**/*", answer)
     for script in (METER, LOCKS, GAMEPADS):
         made.add_init_script(script)
-    yield made
-    made.close()
+    return made
 
 
 @pytest.fixture
@@ -380,12 +385,18 @@ def test_each_sound_is_heard_and_none_is_too_loud(page: Page) -> None:
     assert loudness["heartbeat"]["peak"] < loudness["hit"]["peak"]
 
 
-def test_the_screen_is_kept_awake_while_a_robot_is_driven(page: Page) -> None:
+@pytest.mark.slow  # by a whole Chromium: without windows, it keeps no screen awake
+def test_the_screen_is_kept_awake_while_a_robot_is_driven(chromium: Browser, site: Path) -> None:
+    whole = chromium.browser_type.launch(executable_path="/usr/bin/chromium", args=FLAGS)
+    page = new_context(whole, site).new_page()
+    page.goto(HOME)
+    page.wait_for_function("() => window.game")
     assert page.evaluate("locks.length") == 0
     drive(page)
     until(lambda: page.evaluate("locks.some(({released}) => !released)"), 5, "the screen is kept awake")
     page.evaluate("game.driver.stop()")
     until(lambda: page.evaluate("locks.every(({released}) => released)"), 5, "the screen may sleep")
+    whole.close()
 
 
 def test_the_page_fills_the_screen_and_gives_it_back(page: Page) -> None:

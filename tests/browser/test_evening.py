@@ -1,33 +1,26 @@
 """A whole evening for three people with one seat too few, each in a browser of a language of their own."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import Browser, expect
+from playwright.sync_api import expect
 
 from tests.browser.people import Person
-from tests.support.battle import Battle
+from tests.support.demo import Demo
 
 
 @pytest.fixture
-def battle() -> Iterator[Battle]:
-    with Battle(robots=2, LASERBOT_COUNTDOWN="3", LASERBOT_BATTLE_LIMIT="6") as running:
-        yield running
+def battle(demo: Demo) -> Demo:
+    demo.play_by(countdown=2, battle_limit=3)
+    return demo
 
 
 @pytest.fixture
-def people(chromium: Browser, battle: Battle) -> Iterator[list[Person]]:
-    people = [
-        Person(chromium, battle, name, locale=locale)
-        for name, locale in (("Ann", "en-GB"), ("Bea", "it-IT"), ("Cem", "de-DE"))
-    ]
-    yield people
-    for person in people:
-        person.context.close()
-    assert [complaint for person in people for complaint in person.complaints] == []
+def people(person: Callable[..., Person]) -> list[Person]:
+    languages = {"Ann": "en-GB", "Bea": "it-IT", "Cem": "de-DE"}
+    return [person(name, locale=locale) for name, locale in languages.items()]
 
 
-@pytest.mark.timeout(600)  # its own deadlines are for a busy machine
 def test_queue_accept_battle_result_rematch_and_give_away(people: list[Person]) -> None:
     ann, bea, cem = people
     for person, language in zip(people, ("en", "it", "de"), strict=True):

@@ -20,25 +20,22 @@ from websockets.sync.client import connect
 
 from tests.browser.conftest import FLAGS
 from tests.browser.people import Person
-from tests.support.battle import Battle
+from tests.support.demo import Demo
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 
-TOKEN = "the operator's"
 
-
-@pytest.fixture(scope="module")
-def battle() -> Iterator[Battle]:
-    with Battle(robots=2, LASERBOT_OPERATOR_TOKEN=TOKEN) as running:
-        yield running
+@pytest.fixture
+def battle(demo: Demo) -> Demo:
+    return demo
 
 
 class Front:
     """The program before `battle`. To tests.support.player.Player, it is a place to play."""
 
-    def __init__(self, battle: Battle, folder: Path, tls: bool = False) -> None:
+    def __init__(self, battle: Demo, folder: Path, tls: bool = False) -> None:
         self.http_port, self.https_port = free_port(), free_port()
         self.folder = folder
         self.env = {
@@ -73,9 +70,9 @@ class Front:
         assert self.program.stop() == 0
 
 
-@pytest.fixture(scope="module")
-def front(battle: Battle, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Front]:
-    with Front(battle, tmp_path_factory.mktemp("front")) as running:
+@pytest.fixture
+def front(battle: Demo, tmp_path: Path) -> Iterator[Front]:
+    with Front(battle, tmp_path) as running:
         yield running
 
 
@@ -92,10 +89,11 @@ def sign(folder: Path, serial: int) -> None:
     (folder / "new.crt").replace(folder / "front.crt")
 
 
-@pytest.fixture(scope="module")
-def secure(battle: Battle, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Front]:
+@pytest.fixture
+def secure(battle: Demo, tmp_path: Path) -> Iterator[Front]:
     """With a certificate of the fleet's own authority."""
-    folder = tmp_path_factory.mktemp("secure")
+    folder = tmp_path / "secure"
+    folder.mkdir()
     authority = "-subj /CN=arena -addext keyUsage=critical,keyCertSign"
     openssl(folder, f"req -x509 -newkey rsa:2048 -nodes -keyout ca.key -out ca.crt -days 2 {authority}")
     sign(folder, 1)
@@ -119,7 +117,7 @@ def trusting(chromium: Browser, folder: Path) -> Iterator[Browser]:
 
 def play(chromium: Browser, front: Front, name: str) -> set[str]:
     """Sign up by the page, see connection and arena live, get ready and sign out. Returns where the page has been."""
-    person = Person(chromium, front, name, eyes=True)
+    person = Person(chromium, front, name, eyes=True, arena=True)
     page, asked = person.page, set[str]()
     page.on("request", lambda request: asked.add(request.url))
     page.on("websocket", lambda opened: asked.add(opened.url))
@@ -165,7 +163,7 @@ def test_the_eyes_are_not_to_be_had_past_the_relay(front: Front) -> None:
     assert requests.get(f"{front.web}/arena/eyes/virtual0/snapshot", headers=told, timeout=5).status_code == 404
 
 
-def test_the_ports_stay_for_old_pages(battle: Battle, front: Front) -> None:
+def test_the_ports_stay_for_old_pages(battle: Demo, front: Front) -> None:
     assert 'name="front"' not in requests.get(f"{battle.web}/home", timeout=5).text
     assert 'name="front"' in requests.get(f"{front.web}/home", timeout=5).text
 
@@ -201,7 +199,7 @@ def test_a_visitor_who_sends_nothing_is_cut(front: Front) -> None:
             assert slow.recv(1000) == b""
 
 
-def test_a_program_that_is_away_is_told_and_found_again(battle: Battle, front: Front) -> None:
+def test_a_program_that_is_away_is_told_and_found_again(battle: Demo, front: Front) -> None:
     with battle.pause("server.rosbridge"):
         assert requests.get(f"{front.web}/watch.json", timeout=5).ok
     battle.kill("server.rosbridge")
@@ -217,6 +215,7 @@ def test_a_program_that_is_away_is_told_and_found_again(battle: Battle, front: F
     until(refused, 20, "rosbridge is back")
 
 
+@pytest.mark.slow
 def test_by_tls_a_browser_that_trusts_the_authority_plays(secure: Front, chromium: Browser, tmp_path: Path) -> None:
     shutil.copy(secure.folder / "ca.crt", tmp_path)
     with trusting(chromium, tmp_path) as browser:
@@ -255,9 +254,7 @@ def test_a_renewed_certificate_is_read_without_a_restart(secure: Front) -> None:
     until(lambda: serial() == 2, 10, "the new one is shown")
 
 
-def test_a_real_name_with_a_certificate_that_all_trust_asks_for_tls_from_then_on(
-    battle: Battle, tmp_path: Path
-) -> None:
+def test_a_real_name_with_a_certificate_that_all_trust_asks_for_tls_from_then_on(battle: Demo, tmp_path: Path) -> None:
     names = "-subj /CN=x -addext subjectAltName=DNS:localhost"
     openssl(tmp_path, f"req -x509 -newkey rsa:2048 -nodes -keyout front.key -out front.crt -days 2 {names}")
     with Front(battle, tmp_path, tls=True) as front:

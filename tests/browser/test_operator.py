@@ -7,32 +7,24 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Locator, Page, expect
 
-from tests.browser.axe import looks, violations
+from tests.browser.axe import Looks, violations
 from tests.browser.people import Person
-from tests.support.battle import Battle
+from tests.support.demo import TOKEN, Demo
 from tests.support.journals import KERNEL, from_container, write_journal
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
-TOKEN = "the hall is open"
 ANSWERS = 3  # to a question each second
 PHONES = {"upright": (375, 812), "sideways": (812, 375)}
 
 
-@pytest.fixture(scope="module")
-def journal(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return tmp_path_factory.mktemp("journal")
+@pytest.fixture
+def battle(demo: Demo) -> Demo:
+    demo.play_by(countdown=2)
+    return demo
 
 
-@pytest.fixture(scope="module")
-def battle(journal: Path) -> Iterator[Battle]:
-    with Battle(
-        robots=2, LASERBOT_COUNTDOWN="2", LASERBOT_OPERATOR_TOKEN=TOKEN, LASERBOT_JOURNAL=str(journal)
-    ) as running:
-        yield running
-
-
-def open_desk(chromium: Browser, battle: Battle, width: int = 1280, height: int = 800, token: str = TOKEN) -> Page:
+def open_desk(chromium: Browser, battle: Demo, width: int = 1280, height: int = 800, token: str = TOKEN) -> Page:
     page = chromium.new_page(viewport={"width": width, "height": height})
     page.goto(f"{battle.web}/operator")
     page.get_by_label("Operator token").fill(token)
@@ -42,7 +34,7 @@ def open_desk(chromium: Browser, battle: Battle, width: int = 1280, height: int 
 
 
 @pytest.fixture
-def desk(chromium: Browser, battle: Battle) -> Iterator[Page]:
+def desk(chromium: Browser, battle: Demo) -> Iterator[Page]:
     """Signed in, with both robots in service and no battle; so it is left."""
     page = open_desk(chromium, battle)
     complaints: list[str] = []
@@ -71,7 +63,7 @@ def say_yes(desk: Page, word: str) -> None:
     desk.locator("dialog[open]").get_by_role("button", name=word).click()
 
 
-def test_only_the_token_opens_the_desk(chromium: Browser, battle: Battle) -> None:
+def test_only_the_token_opens_the_desk(chromium: Browser, battle: Demo) -> None:
     page = open_desk(chromium, battle, token="guessed")
     expect(page.get_by_role("alert")).to_contain_text("token")
     expect(page.locator("#battle")).to_have_count(0)
@@ -87,7 +79,8 @@ def test_only_the_token_opens_the_desk(chromium: Browser, battle: Battle) -> Non
     page.close()
 
 
-def test_a_session_that_has_ended_leads_back_to_the_login(desk: Page, battle: Battle) -> None:
+@pytest.mark.slow
+def test_a_session_that_has_ended_leads_back_to_the_login(desk: Page, battle: Demo) -> None:
     desk.context.clear_cookies()
     expect(desk.get_by_label("Operator token")).to_be_visible()
     desk.get_by_label("Operator token").fill(TOKEN)
@@ -95,7 +88,7 @@ def test_a_session_that_has_ended_leads_back_to_the_login(desk: Page, battle: Ba
     expect(desk.locator("#robots-rows tr")).to_have_count(2)
 
 
-def test_players_see_pause_more_time_and_abort(desk: Page, person: Callable[[str], Person], battle: Battle) -> None:
+def test_players_see_pause_more_time_and_abort(desk: Page, person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.log_in()
     status, clock = ann.page.locator("#game-status"), ann.page.locator("#clock strong")
@@ -134,7 +127,7 @@ def test_players_see_pause_more_time_and_abort(desk: Page, person: Callable[[str
         bob.post("signOutUser", data="Bob")
 
 
-def test_a_rule_counts_at_once_until_it_is_reset(desk: Page, person: Callable[[str], Person], battle: Battle) -> None:
+def test_a_rule_counts_at_once_until_it_is_reset(desk: Page, person: Callable[[str], Person], battle: Demo) -> None:
     countdown = desk.get_by_label("Countdown", exact=True)
     countdown.fill("45")
     desk.get_by_label("Hit damage").fill("20")
@@ -157,7 +150,7 @@ def test_a_rule_counts_at_once_until_it_is_reset(desk: Page, person: Callable[[s
     for name in ("Countdown", "Hit damage"):
         desk.get_by_role("button", name=f"Reset {name}").click()
         expect(desk.get_by_role("button", name=f"Reset {name}")).to_have_count(0)
-    expect(countdown).to_have_value("2")
+    expect(countdown).to_have_value("15")
 
 
 def test_a_refused_rule_changes_nothing_and_says_why(desk: Page) -> None:
@@ -184,7 +177,7 @@ def test_a_message_is_on_the_players_screens_as_it_was_typed(desk: Page, person:
 
 
 def test_the_player_of_a_robot_out_of_service_waits_and_the_operator_drives_it(
-    desk: Page, person: Callable[[str], Person], battle: Battle
+    desk: Page, person: Callable[[str], Person], battle: Demo
 ) -> None:
     ann = person("Ann")
     ann.log_in()
@@ -234,7 +227,8 @@ def drives_and_stands(
     expect(desk.locator("#drive .is-held")).to_have_count(0)
 
 
-def test_who_is_banned_is_out_until_the_ban_ends(desk: Page, person: Callable[[str], Person], battle: Battle) -> None:
+@pytest.mark.slow
+def test_who_is_banned_is_out_until_the_ban_ends(desk: Page, person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.log_in()
     desk.locator("#players-rows [data-key=Ann]").get_by_role("button", name="Ban").click()
@@ -251,7 +245,7 @@ def test_who_is_banned_is_out_until_the_ban_ends(desk: Page, person: Callable[[s
     ann.log_in()
 
 
-def test_focus_stays_while_the_desk_is_redrawn(desk: Page, battle: Battle) -> None:
+def test_focus_stays_while_the_desk_is_redrawn(desk: Page, battle: Demo) -> None:
     button = robot_row(desk, 1).get_by_role("button", name="Take out of service")
     button.focus()
     with Player(battle, "Bob") as bob:
@@ -261,6 +255,7 @@ def test_focus_stays_while_the_desk_is_redrawn(desk: Page, battle: Battle) -> No
         bob.post("signOutUser", data="Bob")
 
 
+@pytest.mark.slow
 def test_a_lost_server_is_told_and_found_again(desk: Page) -> None:
     desk.context.set_offline(True)
     expect(desk.locator("#connection")).to_contain_text("No connection since")
@@ -270,13 +265,15 @@ def test_a_lost_server_is_told_and_found_again(desk: Page) -> None:
     expect(desk.locator("#connection")).to_be_hidden()
 
 
+@pytest.mark.slow
 def test_the_whole_log_can_be_taken_home(desk: Page) -> None:
     with desk.expect_download() as download:
         desk.get_by_role("link", name="log.csv").click()
     assert "Berta" in Path(download.value.path()).read_text()
 
 
-def test_the_logs_of_all_hosts_are_shown_once_somebody_opens_them(desk: Page, journal: Path, screenshots: Path) -> None:
+def test_the_logs_of_all_hosts_are_shown_once_somebody_opens_them(desk: Page, battle: Demo, screenshots: Path) -> None:
+    journal = battle.journal
     logs = desk.get_by_role("region", name="Logs of all hosts")
     logs.get_by_text("Show the newest lines").click()
     expect(logs).to_contain_text(f"no journal in {journal} can be read")
@@ -291,49 +288,49 @@ def test_the_logs_of_all_hosts_are_shown_once_somebody_opens_them(desk: Page, jo
     logs.screenshot(path=screenshots / "operator-logs.png")
 
 
-def test_everybody_can_use_the_desk_in_german_too(chromium: Browser, battle: Battle, screenshots: Path) -> None:
+def test_everybody_can_use_the_desk_in_german_too(
+    chromium: Browser, battle: Demo, screenshots: Path, look: Looks
+) -> None:
     desk = chromium.new_page(locale="de-DE")
-    found: dict[str, list[str]] = {}
 
-    def look(what: str) -> None:
-        for how in looks(desk):
+    def see(what: str) -> None:
+        for how in look.at(desk):
             desk.screenshot(path=screenshots / f"desk-{what}-{how}.png", full_page=True)
-            found[f"{what} {how}"] = violations(desk)
+            look.found[f"{what} {how}"] = violations(desk)
             if desk.evaluate("document.documentElement.scrollWidth > innerWidth"):
-                found[f"{what} {how}"].append("sticks out")
+                look.found[f"{what} {how}"].append("sticks out")
 
     desk.goto(f"{battle.web}/operator")
-    look("door")
+    see("door")
     desk.get_by_label("Kennwort der Spielleitung").fill(TOKEN)
     desk.keyboard.press("Enter")
     expect(desk.locator("#robots-rows tr")).to_have_count(2)
     expect(desk.locator("#battle-state")).to_have_text("Kein Kampf")
     expect(desk.get_by_label("Schaden je Treffer")).to_be_visible()
-    look("empty")
+    see("empty")
     robot_row(desk, 1).get_by_role("button", name="Außer Betrieb nehmen").click()
     robot_row(desk, 1).get_by_role("button", name="Testfahrt").click()
     expect(desk.locator("#drive-state")).to_contain_text("Steuerkreuz")
-    look("drive")
+    see("drive")
     robot_row(desk, 1).get_by_role("button", name="Wieder in Betrieb").click()
     with Player(battle, "Wolfgang_Amadeus") as wolfgang, Player(battle, "Bob") as bob:
         assert wolfgang.ready() == bob.ready() == "OK"
         expect(desk.locator("#battle-state")).to_have_text("Kampf")
         expect(desk.locator("#battle-hint")).to_contain_text("läuft")
-        look("battle")
+        see("battle")
         desk.locator("#abort").click()
         expect(desk.locator("dialog[open]")).to_contain_text("Den Kampf beenden?")
-        look("question")
+        see("question")
         say_yes(desk, "Beenden")
         expect(desk.locator("#battle-hint")).to_have_text("Kampf beendet: der Spielleiter hat ihn beendet.")
         for player in (wolfgang, bob):
             player.post("signOutUser", data=player.name)
     desk.close()
-    assert {where: what for where, what in found.items() if what} == {}
 
 
-@pytest.mark.parametrize("way", PHONES)
+@pytest.mark.parametrize("way", ["upright", pytest.param("sideways", marks=pytest.mark.slow)])
 def test_a_phone_shows_the_desk_without_scrolling_sideways(
-    way: str, chromium: Browser, battle: Battle, screenshots: Path
+    way: str, chromium: Browser, battle: Demo, screenshots: Path
 ) -> None:
     phone = open_desk(chromium, battle, *PHONES[way])
     with Player(battle, "Wolfgang_Amadeus") as wolfgang:

@@ -1,15 +1,16 @@
 """What the pages offer and how they take it when something goes wrong, in a real browser on the whole chain."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import psutil
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.people import BLIND, Person
+from tests.browser.people import WITHOUT_CAMERAS, Person
 from tests.browser.weight import Weight
-from tests.support.battle import Battle, Paused
+from tests.support.battle import Paused
+from tests.support.demo import Demo
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
@@ -25,10 +26,10 @@ window.WebSocket = class extends WebSocket {
 """
 
 
-@pytest.fixture(scope="module")
-def battle() -> Iterator[Battle]:
-    with Battle(robots=2, LASERBOT_COUNTDOWN="1") as running:
-        yield running
+@pytest.fixture
+def battle(demo: Demo) -> Demo:
+    demo.play_by(countdown=1)
+    return demo
 
 
 def dialog_of(page: Page) -> str:
@@ -36,9 +37,9 @@ def dialog_of(page: Page) -> str:
     return str(page.wait_for_function("() => document.querySelector('dialog[open]')?.innerText").json_value())
 
 
-def test_a_newcomer_plays_after_150_kilobytes(chromium: Browser, battle: Battle) -> None:
+def test_a_newcomer_plays_after_150_kilobytes(chromium: Browser, battle: Demo) -> None:
     with chromium.new_context() as context:
-        context.add_init_script(BLIND % battle.relay_port)
+        context.add_init_script(WITHOUT_CAMERAS % battle.relay_port)
         page = context.new_page()
         weight = Weight(page)
         try:
@@ -53,7 +54,7 @@ def test_a_newcomer_plays_after_150_kilobytes(chromium: Browser, battle: Battle)
             context.request.post(f"{battle.web}/signOutUser", form={"data": "Ann"})
 
 
-def test_a_click_changes_the_avatar_and_others_see_it(person: Callable[[str], Person], battle: Battle) -> None:
+def test_a_click_changes_the_avatar_and_others_see_it(person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     picture = ann.page.locator("#userImage")
     seen = {picture.get_attribute("src")}
@@ -69,7 +70,7 @@ def test_a_click_changes_the_avatar_and_others_see_it(person: Callable[[str], Pe
         assert f"/avatar{bob.user('Ann')['avatar']}-" in chosen
 
 
-def test_a_bad_name_and_a_taken_name_are_explained(person: Callable[[str], Person], battle: Battle) -> None:
+def test_a_bad_name_and_a_taken_name_are_explained(person: Callable[[str], Person], battle: Demo) -> None:
     with Player(battle, "Bob"):
         eve = person("Eve")
         for name, title in (("no spaces", "This name does not work"), ("Bob", "Name taken")):
@@ -80,6 +81,7 @@ def test_a_bad_name_and_a_taken_name_are_explained(person: Callable[[str], Perso
         eve.log_in()
 
 
+@pytest.mark.slow
 def test_enter_counts_as_soon_as_a_message_is_gone(person: Callable[[str], Person]) -> None:
     eve = person("Eve")
     eve.page.locator("#username").fill("no spaces")
@@ -90,7 +92,7 @@ def test_enter_counts_as_soon_as_a_message_is_gone(person: Callable[[str], Perso
 
 
 def test_without_a_free_robot_one_waits_and_takes_the_one_that_is_offered(
-    person: Callable[[str], Person], battle: Battle
+    person: Callable[[str], Person], battle: Demo
 ) -> None:
     ann, bea = person("Jörg"), person("Bea")
     with Player(battle, "One") as one, Player(battle, "Two"):
@@ -123,7 +125,7 @@ def go_to(page: Page, selector: str) -> None:
     raise AssertionError(f"Tab does not come to {selector}")
 
 
-def test_the_keyboard_is_enough_from_the_login_to_the_way_out(person: Callable[[str], Person], battle: Battle) -> None:
+def test_the_keyboard_is_enough_from_the_login_to_the_way_out(person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     page = ann.page
     with Player(battle, "Bob") as bob:
@@ -159,7 +161,7 @@ def test_the_keyboard_is_enough_from_the_login_to_the_way_out(person: Callable[[
         expect(page.locator("#username")).to_be_visible()
 
 
-def test_a_robot_can_be_chosen_until_somebody_else_has_it(person: Callable[[str], Person], battle: Battle) -> None:
+def test_a_robot_can_be_chosen_until_somebody_else_has_it(person: Callable[[str], Person], battle: Demo) -> None:
     ann, bea = person("Ann"), person("Bea")
     for page in (ann.page, bea.page):
         page.locator("#robot").select_option("Robot 1")
@@ -173,22 +175,15 @@ def test_a_robot_can_be_chosen_until_somebody_else_has_it(person: Callable[[str]
     assert bea.robot == 0
 
 
-def test_with_practice_one_drives_before_the_battle(chromium: Browser) -> None:
-    with Battle(robots=1, LASERBOT_PRACTICE="1") as practice, Eyes(practice) as eyes:
-        ann = Person(chromium, practice, "Ann")
-        ann.log_in()
-        expect(ann.page.locator("#game-hint")).to_have_text("Until the battle you can try out your robot.")
-        start = eyes.robots()[ann.robot]
-
-        def moves() -> bool:
-            ann.hold((1, 0, False))
-            now = eyes.robots()[ann.robot]
-            return (now["x"], now["y"]) != (start["x"], start["y"])
-
-        until(moves, 10, "the keys move the robot")
+def test_with_practice_one_drives_before_the_battle(person: Callable[[str], Person], battle: Demo) -> None:
+    battle.play_by(practice=True)
+    ann = person("Ann")
+    ann.log_in()
+    with Eyes(battle) as eyes:
+        heading = eyes.robots()[ann.robot]["heading"]
+        ann.hold((0, 1, False))
+        until(lambda: eyes.robots()[ann.robot]["heading"] != heading, 10, "the keys move the robot")
         ann.hold((0, 0, False))
-        ann.context.close()
-        assert ann.complaints == []
 
 
 def test_help_is_on_both_pages(person: Callable[[str], Person]) -> None:
@@ -200,14 +195,14 @@ def test_help_is_on_both_pages(person: Callable[[str], Person]) -> None:
         ann.page.keyboard.press("Escape")
 
 
-def test_home_without_a_login_leads_back(person: Callable[[str], Person], battle: Battle) -> None:
+def test_home_without_a_login_leads_back(person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.page.goto(f"{battle.web}/home", wait_until="commit")
     assert "You are not logged in" in dialog_of(ann.page)
     ann.page.wait_for_url(f"{battle.web}/")
 
 
-def test_a_session_can_be_restored_or_given_up(person: Callable[[str], Person], battle: Battle) -> None:
+def test_a_session_can_be_restored_or_given_up(person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.log_in()
     ann.page.goto(battle.web)
@@ -223,7 +218,7 @@ def test_a_session_can_be_restored_or_given_up(person: Callable[[str], Person], 
     expect(ann.page.locator("#username")).to_be_focused()
 
 
-def test_signing_out_is_asked_and_can_be_cancelled(person: Callable[[str], Person], battle: Battle) -> None:
+def test_signing_out_is_asked_and_can_be_cancelled(person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.log_in()
     for answer in ("Cancel", "Sign out"):
@@ -237,9 +232,8 @@ def test_signing_out_is_asked_and_can_be_cancelled(person: Callable[[str], Perso
     expect(ann.page.locator("#availableR")).to_have_text("2 robots are free")
 
 
-@pytest.mark.parametrize("key", ["ArrowRight", "d"])
 def test_a_window_that_loses_the_focus_stops_the_robot_though_the_key_is_held(
-    key: str, person: Callable[[str], Person], battle: Battle
+    person: Callable[[str], Person], battle: Demo
 ) -> None:
     ann = person("Ann")
     ann.log_in()
@@ -248,7 +242,7 @@ def test_a_window_that_loses_the_focus_stops_the_robot_though_the_key_is_held(
         assert bob.ready() == "OK"
         expect(ann.page.locator("#game-status")).to_contain_text("PLAY!")
         before = eyes.robots()[ann.robot]["heading"]
-        ann.page.keyboard.down(key)
+        ann.page.keyboard.down("ArrowRight")
         until(lambda: abs(eyes.robots()[ann.robot]["heading"] - before) > 0.1, 5, "the robot turns")
         ann.page.evaluate("window.dispatchEvent(new Event('blur'))")
         headings: list[float] = []
@@ -258,11 +252,11 @@ def test_a_window_that_loses_the_focus_stops_the_robot_though_the_key_is_held(
             return len(headings) > STILL and len(set(headings[-STILL:])) == 1
 
         until(still, 5, "the robot stands")
-        ann.page.keyboard.up(key)
+        ann.page.keyboard.up("ArrowRight")
 
 
 def test_a_socket_without_the_cookie_is_signed_in_and_until_then_its_player_is_told(
-    person: Callable[..., Person], battle: Battle
+    person: Callable[..., Person], battle: Demo
 ) -> None:
     ann = person("Ann", policy=False)  # which allows no WebSocket to another host
     ann.page.add_init_script(NO_COOKIE)
@@ -282,7 +276,8 @@ def test_a_socket_without_the_cookie_is_signed_in_and_until_then_its_player_is_t
         ann.page.keyboard.up("ArrowRight")
 
 
-def test_a_robot_that_starts_again_is_still_its_players(person: Callable[[str], Person], battle: Battle) -> None:
+@pytest.mark.slow
+def test_a_robot_that_starts_again_is_still_its_players(person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.log_in()
     battle.kill(rf"avr_robot .*--name virtual{ann.robot} ")
@@ -296,38 +291,38 @@ def test_a_robot_that_starts_again_is_still_its_players(person: Callable[[str], 
     until(lambda: after_a_click(lambda: ready.get_attribute("aria-pressed") == "true"), 30, "the robot is back")
 
 
-def test_who_is_forgotten_by_a_server_that_was_away_is_told_so(chromium: Browser) -> None:
-    with Battle(robots=1) as battle:
-        ann = Person(chromium, battle, "Ann")
-        ann.log_in()
-        expect(ann.page.locator("#connection-state")).to_contain_text("Online")
-        # as after a loss of data
-        ann.page.route("**/session", lambda route: route.fulfill(json={"status": "UNREGISTERED"}))
-        ann.page.route("**/updateGameStatus", lambda route: route.abort())
-        expect(ann.page.locator("#banner")).to_contain_text("The server does not answer", timeout=15_000)
-        ann.page.unroute("**/updateGameStatus")
-        assert "The game has started anew" in dialog_of(ann.page)
-        ann.context.close()
+@pytest.mark.slow
+def test_who_is_forgotten_by_a_server_that_was_away_is_told_so(person: Callable[[str], Person]) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    expect(ann.page.locator("#connection-state")).to_contain_text("Online")
+    # as after a loss of data
+    ann.page.route("**/session", lambda route: route.fulfill(json={"status": "UNREGISTERED"}))
+    ann.page.route("**/updateGameStatus", lambda route: route.abort())
+    expect(ann.page.locator("#banner")).to_contain_text("The server does not answer")
+    ann.page.unroute("**/updateGameStatus")
+    assert "The game has started anew" in dialog_of(ann.page)
 
 
 BUSY = "seconds => { const end = Date.now() + 1000 * seconds; while (Date.now() < end) { /* as a slow machine */ } }"
 
 
-def test_a_page_that_is_too_busy_to_say_so_is_still_there(chromium: Browser) -> None:
-    with Battle(robots=1, LASERBOT_PLAYER_TIMEOUT="8", LASERBOT_SEAT_TIMEOUT="8") as battle:
-        ann = Person(chromium, battle, "Ann")
-        ann.log_in()
-        expect(ann.page.locator("#connection-state")).to_contain_text("Online")
-        ann.page.evaluate(BUSY, 14)
-        assert ann.page.request.get(f"{battle.web}/session").json()["status"] == "OK"
-        expect(ann.page.locator("#ready-btn")).to_be_visible()
-        ann.context.close()
-        assert ann.complaints == []
+@pytest.mark.slow
+def test_a_page_that_is_too_busy_to_say_so_is_still_there(person: Callable[[str], Person], battle: Demo) -> None:
+    battle.play_by(player_timeout=8, seat_timeout=8)
+    ann = person("Ann")
+    ann.log_in()
+    expect(ann.page.locator("#connection-state")).to_contain_text("Online")
+    ann.page.evaluate(BUSY, 14)
+    assert ann.page.request.get(f"{battle.web}/session").json()["status"] == "OK"
+    expect(ann.page.locator("#ready-btn")).to_be_visible()
 
 
-def test_in_each_state_the_page_outlives_a_while_offline(chromium: Browser) -> None:
-    with Battle(robots=2, LASERBOT_COUNTDOWN="8") as battle, Player(battle, "Bob") as bob:
-        ann, cem = Person(chromium, battle, "Ann"), Person(chromium, battle, "Cem")
+@pytest.mark.slow
+def test_in_each_state_the_page_outlives_a_while_offline(person: Callable[[str], Person], battle: Demo) -> None:
+    battle.play_by(countdown=8)
+    with Player(battle, "Bob") as bob:
+        ann, cem = person("Ann"), person("Cem")
         banner = ann.page.locator("#banner")
 
         def offline(told: str, who: Person = ann) -> None:
@@ -358,25 +353,23 @@ def test_in_each_state_the_page_outlives_a_while_offline(chromium: Browser) -> N
         offline("#banner")
         expect(ann.page.locator("dialog[open] h2")).to_have_text("YOU WIN!")
         expect(cem.page.locator("#take")).to_be_visible()  # the queue went on
-        for person in (ann, cem):
-            person.context.close()
-            assert person.complaints == []
 
 
-def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person], battle: Battle) -> None:
+@pytest.mark.slow
+def test_a_lost_robot_is_told_once_and_leads_back(person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.log_in()
     serial_node = battle.pid(rf"robot\.serial_node \S*/virtual{ann.robot}/")
     with Paused(psutil.Process(serial_node).ppid()):
         assert "Robot lost" in dialog_of(ann.page)
         ann.page.wait_for_url(f"{battle.web}/")
-    expect(ann.page.locator("#availableR")).to_have_text("2 robots are free", timeout=30_000)
+    expect(ann.page.locator("#availableR")).to_have_text("2 robots are free")
 
 
-def test_a_page_outlives_a_restart_of_rosbridge(person: Callable[[str], Person], battle: Battle) -> None:
+def test_a_page_outlives_a_restart_of_rosbridge(person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.log_in()
     expect(ann.page.locator("#connection-state")).to_contain_text("Online")
     battle.kill(r"python3 -m server\.rosbridge")
     expect(ann.page.locator("#connection-state")).not_to_contain_text("Online")
-    expect(ann.page.locator("#connection-state")).to_contain_text("Online", timeout=15_000)
+    expect(ann.page.locator("#connection-state")).to_contain_text("Online")

@@ -1,35 +1,31 @@
 """Two people play a battle to its end, each in a browser: keys to coils, light to life, all through the firmware."""
 
-from collections.abc import Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, expect
 
 from tests.browser.people import Person
-from tests.support.battle import Battle
+from tests.support.demo import Demo
 from tests.support.player import Eyes, Hunter
 from tests.support.polling import until
 
 
 @pytest.fixture
-def battle() -> Iterator[Battle]:
-    with Battle(robots=2, LASERBOT_HIT_DAMAGE="25", LASERBOT_COUNTDOWN="3") as running:
-        yield running
+def battle(demo: Demo) -> Demo:
+    demo.play_by(hit_damage=25, countdown=3)
+    return demo
 
 
 @pytest.fixture
-def people(chromium: Browser, battle: Battle) -> Iterator[tuple[Person, Person]]:
-    ann, bob = Person(chromium, battle, "Ann"), Person(chromium, battle, "Bob")
-    yield ann, bob
-    for person in (ann, bob):
-        person.context.close()
-    assert ann.complaints + bob.complaints == []
+def people(person: Callable[..., Person]) -> tuple[Person, Person]:
+    """Ann sees the arena from above."""
+    return person("Ann", arena=True), person("Bob")
 
 
-@pytest.mark.timeout(900)  # its own deadlines are for a busy machine
 def test_two_people_play_to_the_end(
-    battle: Battle, people: tuple[Person, Person], chromium: Browser, screenshots: Path
+    battle: Demo, people: tuple[Person, Person], chromium: Browser, screenshots: Path
 ) -> None:
     ann, bob = people
     ann.log_in()
@@ -41,7 +37,7 @@ def test_two_people_play_to_the_end(
     for person in people:
         expect(person.page.locator("#game-status")).to_contain_text("sec to start")
     for person in people:
-        expect(person.page.locator("#game-status")).to_contain_text("PLAY!", timeout=10_000)
+        expect(person.page.locator("#game-status")).to_contain_text("PLAY!")
 
     arena = ann.page.frame_locator("#arena").locator("#floor")
     expect(arena).to_be_visible()

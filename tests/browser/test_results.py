@@ -5,50 +5,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-import requests
 from playwright.sync_api import Browser, Page, expect
 
-from tests.integration.server.conftest import GameServer, launch, ros_master, server
+from tests.browser.played import Played
 from tests.support.polling import until
-
-__all__ = ["launch", "ros_master", "server"]
 
 SIZES = {"desktop": (1280, 800), "phone": (375, 812)}
 
 
-@pytest.fixture
-def played(server: GameServer) -> GameServer:
-    """Bob and Jörg have played, and Bob was hit twice before he left."""
-    return play(server)
-
-
-@pytest.fixture
-def seen(server: GameServer) -> GameServer:
-    """The same, in 4 s, seen from above."""
-    server.peer("positions")
-    return play(server, seconds=4)
-
-
-def play(server: GameServer, seconds: float = 0) -> GameServer:
-    robots = {name: server.robot(f"robot{place}") for place, name in enumerate(("Jörg", "Bob"))}
-    pages = {name: server.player(name) for name in robots}
-    listener = server.listener()
-    for page in pages.values():
-        page.ready()
-    listener.wait_for(lambda status: status["game"] == 2)
-    listener.wait_for(lambda status: status["time_left"] <= 300 - seconds)
-    for life in (60, 20):
-        robots["Bob"].hit()
-        listener.wait_for_life("Bob", life)
-    pages["Bob"].post("signOutUser", data="Bob")
-    for page in pages.values():
-        page.close()
-    with requests.Session() as http:
-        until(lambda: http.get(f"{server.url}/results.json").json()["battles"][0]["seconds"] is not None, 5)
-    return server
-
-
-@pytest.fixture(params=SIZES)
+@pytest.fixture(params=["desktop", pytest.param("phone", marks=pytest.mark.slow)])
 def page(request: pytest.FixtureRequest, chromium: Browser) -> Iterator[Page]:
     width, height = SIZES[request.param]
     context = chromium.new_context(viewport={"width": width, "height": height})
@@ -61,7 +26,7 @@ def page(request: pytest.FixtureRequest, chromium: Browser) -> Iterator[Page]:
     assert complaints == []
 
 
-def test_from_the_login_to_a_battle_and_the_leaderboard(played: GameServer, page: Page, screenshots: Path) -> None:
+def test_from_the_login_to_a_battle_and_the_leaderboard(played: Played, page: Page, screenshots: Path) -> None:
     width = page.viewport_size["width"] if page.viewport_size else 0
 
     def look(name: str) -> None:
@@ -70,7 +35,7 @@ def test_from_the_login_to_a_battle_and_the_leaderboard(played: GameServer, page
 
     page.goto(played.url)
     page.get_by_role("link", name="RESULTS").click()
-    battle = page.locator(".battle").first
+    battle = page.locator(".battle").last
     expect(battle.locator(".fighters li")).to_have_count(2)
     expect(battle.locator(".won .name")).to_have_text("Jörg")
     expect(battle).to_contain_text("left, 2 hits")
@@ -89,7 +54,7 @@ def test_from_the_login_to_a_battle_and_the_leaderboard(played: GameServer, page
     expect(page.locator(".happened tbody tr").last).to_contain_text("Bobleft20")
     look("results-battle")
     page.get_by_role("link", name="Leaderboard").click()
-    expect(page.locator(".ranking tbody tr").first).to_contain_text("Jörg1")
+    expect(page.locator(".ranking tbody tr").first).to_contain_text("Jörg2")
     page.get_by_role("link", name="Today").click()
     expect(page.locator(".ranking tbody tr")).to_have_count(2)
     look("results-leaderboard")
@@ -98,10 +63,10 @@ def test_from_the_login_to_a_battle_and_the_leaderboard(played: GameServer, page
     expect(page.locator(".none")).to_have_text("Nobody has finished a battle on this day.")
 
 
-def test_a_battle_is_played_again_on_the_floor(seen: GameServer, page: Page, screenshots: Path) -> None:
+def test_a_battle_is_played_again_on_the_floor(played: Played, page: Page, screenshots: Path) -> None:
     width = page.viewport_size["width"] if page.viewport_size else 0
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"{seen.url}/results/1")
+    page.goto(f"{played.url}/results/1")
     play, slider, clock = (page.locator(f"#replay-{part}") for part in ("play", "time", "clock"))
     expect(play).to_have_text("Play")
     expect(clock).to_contain_text("0:00 of 0:0")
@@ -118,7 +83,7 @@ def test_a_battle_is_played_again_on_the_floor(seen: GameServer, page: Page, scr
         across, down = box["x"] + box["width"] / 2 - body["x"], box["y"] + box["height"] / 2 - body["y"]
         return across / metre - 0.03, 1.03 - down / metre
 
-    track = page.request.get(f"{seen.url}/results/1.json").json()["track"]
+    track = page.request.get(f"{played.url}/results/1.json").json()["track"]
     told = {at: (x, y) for at, (x, y, _) in zip(track["times"], track["robots"]["0"], strict=True)}  # of Jörg's robot
     assert place(1) == pytest.approx((1.9, 0.9), abs=0.01)
     left, right = min(told, key=lambda at: told[at][0]), max(told, key=lambda at: told[at][0])
@@ -141,20 +106,20 @@ def test_a_battle_is_played_again_on_the_floor(seen: GameServer, page: Page, scr
     assert float(slider.input_value()) == pytest.approx(float(slider.get_attribute("max") or 0)), "played to the end"
 
 
-def test_the_replay_begins_by_itself_where_motion_is_welcome(seen: GameServer, page: Page) -> None:
-    page.goto(f"{seen.url}/results/1")
+def test_the_replay_begins_by_itself_where_motion_is_welcome(played: Played, page: Page) -> None:
+    page.goto(f"{played.url}/results/1")
     page.locator("#replay-floor").scroll_into_view_if_needed()
     expect(page.locator("#replay-play")).to_have_text("Pause")
     page.locator("#replay-play").click()
     expect(page.locator("#replay-play")).to_have_text("Play")
 
 
-def test_without_its_database_a_page_says_so(played: GameServer, page: Page, tmp_path: Path) -> None:
-    (tmp_path / "data").rename(tmp_path / "elsewhere")
+def test_without_its_database_a_page_says_so(played: Played, page: Page) -> None:
+    elsewhere = played.data.rename(played.data.with_name("elsewhere"))
     try:
         response = page.request.get(f"{played.url}/results")
         assert response.status == 503
         page.set_content(response.text())
         expect(page.get_by_role("alert")).to_contain_text("The game goes on without it")
     finally:
-        (tmp_path / "elsewhere").rename(tmp_path / "data")
+        elsewhere.rename(played.data)

@@ -10,28 +10,25 @@ from playwright.sync_api import Browser, Page, expect
 from tests.browser.axe import violations
 from tests.browser.people import Person
 from tests.support.battle import Battle
+from tests.support.demo import Demo
 from tests.support.player import Player
 from tests.support.programs import Program
 
-CODED = {"LASERBOT_LIGHT": "coded", "LASERBOT_COUNTDOWN": "15", "LASERBOT_HIT_DAMAGE": "50"}
+
+@pytest.fixture
+def people(person: Callable[..., Person]) -> tuple[Person, Person]:
+    """Ann on robot 0 and Bob on robot 1."""
+    here = person("Ann"), person("Bob")
+    for robot, one in enumerate(here):
+        one.log_in()
+        assert one.robot == robot
+    return here
 
 
 @pytest.fixture
-def people(chromium: Browser) -> Iterator[Callable[[Battle], tuple[Person, Person]]]:
-    """Ann on robot 0 and Bob on robot 1."""
-    here: list[Person] = []
-
-    def come(battle: Battle) -> tuple[Person, Person]:
-        for robot, name in enumerate(("Ann", "Bob")):
-            here.append(Person(chromium, battle, name))
-            here[-1].log_in()
-            assert here[-1].robot == robot
-        return here[0], here[1]
-
-    yield come
-    for person in here:
-        person.context.close()
-        assert person.complaints == []
+def battle(demo: Demo) -> Demo:
+    demo.play_by(countdown=2, hit_damage=50)
+    return demo
 
 
 @contextlib.contextmanager
@@ -64,53 +61,47 @@ def shown(page: Page, selector: str) -> str:
     return " ".join(str(seen.json_value()).split())
 
 
-@pytest.mark.timeout(600)  # its own deadlines are for a busy machine
 def test_shooter_and_victim_see_whose_hit_it_was(
-    people: Callable[[Battle], tuple[Person, Person]], screenshots: Path
+    battle: Demo, people: tuple[Person, Person], screenshots: Path
 ) -> None:
-    with Battle(robots=2, bots=0, **CODED) as battle:
-        ann, bob = people(battle)
-        play(ann, bob)
-        with node(battle, "light", "shot:0", "hit:1:0"):
-            assert shown(ann.page, "#hit-mark") == "+1Bob"
-            ann.page.screenshot(path=screenshots / "hit.png")
-            assert shown(bob.page, "#hit-note") == "Hit by Ann!"
-            for person in (ann, bob):
-                entry = person.page.locator("#feed li").first
-                expect(entry).to_have_text("Ann hits Bob: 50%")
-                expect(entry.locator("img:visible")).to_have_count(2)
-            expect(ann.page.locator("#announcer")).to_have_text("You hit Bob: 50 percent left.")
-            expect(bob.page.locator("#announcer")).to_have_text("Hit by Ann! Life 50 percent.")
-        with node(
-            battle, "light", "hit:1:0", "shot:0", "shot:0", "hit:1:0"
-        ):  # the first is nobody's: no shot is under way
-            assert shown(ann.page, "#hit-mark[data-kind=kill]") == "+1Bob is out!"
-        expect(ann.page.locator("#feed")).to_contain_text("Ann takes Bob out!")
-        result = ann.page.locator("dialog[open]")
-        for text in ("YOU WIN!", "3 shots fired", "2 of them hit", "accuracy 67%", "1 robot taken out"):
-            expect(result).to_contain_text(text)
-        expect(bob.page.locator("dialog[open]")).to_contain_text("0 shots fired")
+    ann, bob = people
+    play(ann, bob)
+    with node(battle, "light", "shot:0", "hit:1:0"):
+        assert shown(ann.page, "#hit-mark") == "+1Bob"
+        ann.page.screenshot(path=screenshots / "hit.png")
+        assert shown(bob.page, "#hit-note") == "Hit by Ann!"
+        for person in (ann, bob):
+            entry = person.page.locator("#feed li").first
+            expect(entry).to_have_text("Ann hits Bob: 50%")
+            expect(entry.locator("img:visible")).to_have_count(2)
+        expect(ann.page.locator("#announcer")).to_have_text("You hit Bob: 50 percent left.")
+        expect(bob.page.locator("#announcer")).to_have_text("Hit by Ann! Life 50 percent.")
+    with node(battle, "light", "hit:1:0", "shot:0", "shot:0", "hit:1:0"):  # the first is nobody's: no shot is under way
+        assert shown(ann.page, "#hit-mark[data-kind=kill]") == "+1Bob is out!"
+    expect(ann.page.locator("#feed")).to_contain_text("Ann takes Bob out!")
+    result = ann.page.locator("dialog[open]")
+    for text in ("YOU WIN!", "3 shots fired", "2 of them hit", "accuracy 67%", "1 robot taken out"):
+        expect(result).to_contain_text(text)
+    expect(bob.page.locator("dialog[open]")).to_contain_text("0 shots fired")
+    assert violations(ann.page) == []
+
+
+def test_who_drives_a_weak_robot_is_told(battle: Demo, people: tuple[Person, Person]) -> None:
+    ann, bob = people
+    expect(ann.page.locator("#own-weak")).to_be_hidden()
+    with node(battle, "board", str(ann.robot), "4200"):
+        expect(ann.page.locator("#own-weak")).to_have_text("Battery low: tell the operator")
+        expect(ann.page.locator("#own-weak")).to_be_visible()
         assert violations(ann.page) == []
+        expect(bob.page.locator("#own-weak")).to_be_hidden()
 
 
-@pytest.mark.timeout(600)
-def test_who_drives_a_weak_robot_is_told(people: Callable[[Battle], tuple[Person, Person]]) -> None:
-    with Battle(robots=2) as battle:
-        ann, bob = people(battle)
-        expect(ann.page.locator("#own-weak")).to_be_hidden()
-        with node(battle, "board", str(ann.robot), "4200"):
-            expect(ann.page.locator("#own-weak")).to_have_text("Battery low: tell the operator")
-            expect(ann.page.locator("#own-weak")).to_be_visible()
-            assert violations(ann.page) == []
-            expect(bob.page.locator("#own-weak")).to_be_hidden()
-
-
-@pytest.mark.timeout(600)
-def test_teams_are_chosen_fight_and_win(
-    people: Callable[[Battle], tuple[Person, Person]], chromium: Browser, screenshots: Path
-) -> None:
-    with Battle(robots=3, bots=0, LASERBOT_TEAMS="2", **CODED) as battle:
-        ann, bob = people(battle)
+@pytest.mark.slow
+def test_teams_are_chosen_fight_and_win(chromium: Browser, screenshots: Path) -> None:
+    with Battle(robots=3, LASERBOT_COUNTDOWN="15", LASERBOT_HIT_DAMAGE="50", LASERBOT_TEAMS="2") as battle:
+        ann, bob = Person(chromium, battle, "Ann"), Person(chromium, battle, "Bob")
+        ann.log_in()
+        bob.log_in()
         with Player(battle, "Dora") as dora:
             watch = chromium.new_page()
             watch.goto(f"{battle.web}/watch")
@@ -141,3 +132,6 @@ def test_teams_are_chosen_fight_and_win(
             expect(bob.page.locator("dialog[open]")).to_contain_text("Team Red wins! Your team Blue is number 2.")
             assert violations(bob.page) == []
             watch.close()
+            for one in (ann, bob):
+                one.context.close()
+                assert one.complaints == []

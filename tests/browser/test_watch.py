@@ -9,7 +9,7 @@ import requests
 import segno
 from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
-from tests.support.battle import Battle
+from tests.support.demo import Demo
 from tests.support.play import hunt_down, shoot_to_the_end, start
 from tests.support.player import Eyes, Player, players_and_free_robots
 from tests.support.polling import until
@@ -17,14 +17,14 @@ from tests.support.polling import until
 PROJECTOR = {"width": 1920, "height": 1080}
 
 
-@pytest.fixture(scope="module")
-def battle() -> Iterator[Battle]:
-    with Battle(robots=2, LASERBOT_HIT_DAMAGE="25", LASERBOT_COUNTDOWN="3") as running:
-        yield running
+@pytest.fixture
+def battle(demo: Demo) -> Demo:
+    demo.play_by(hit_damage=25, countdown=3)
+    return demo
 
 
 @pytest.fixture
-def screen(chromium: Browser, battle: Battle) -> Iterator[Page]:
+def screen(chromium: Browser, battle: Demo) -> Iterator[Page]:
     """The page on a projector; nothing in it may fail."""
     context = chromium.new_context(viewport=PROJECTOR, color_scheme="dark")  # type: ignore[arg-type]
     page = context.new_page()
@@ -40,8 +40,7 @@ def panel(name: str) -> re.Pattern[str]:
     return re.compile(rf"^{name}$")
 
 
-@pytest.mark.timeout(600)  # its own deadlines are for a busy machine
-def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Battle, screenshots: Path) -> None:
+def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Demo, screenshots: Path) -> None:
     body, players, feed = screen.locator("body"), screen.locator("#players"), screen.locator("#feed")
     expect(body).to_have_attribute("data-panel", panel("join"))
     expect(screen.locator(".watch-address")).to_have_text(battle.web.removeprefix("http://"))
@@ -69,16 +68,15 @@ def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Battle, screensho
         expect(screen.locator("[data-metal=gold]")).to_contain_text("Ann")
         expect(screen.locator("[data-metal=silver]")).to_contain_text("Bob")
         screen.screenshot(path=screenshots / "watch-podium.png")
-        expect(body).to_have_attribute("data-panel", panel("leaders"), timeout=60_000)
-        expect(screen.locator("#leaders tbody tr").first).to_have_text(re.compile("^1Ann11$"))
+        expect(body).to_have_attribute("data-panel", panel("leaders"))
+        expect(screen.locator("#leaders tbody tr").first).to_contain_text("Ann")
         expect(feed.locator("li")).to_have_count(6)  # the newest, and by now all are old
         expect(feed.locator("li.is-old")).to_have_count(6)
         expect(feed.locator("li").first).to_have_text("Ann wins!")
         screen.screenshot(path=screenshots / "watch-leaders.png")
-        expect(body).to_have_attribute("data-panel", panel("join"), timeout=60_000)
 
 
-def test_who_waits_is_told_in_order(screen: Page, battle: Battle) -> None:
+def test_who_waits_is_told_in_order(screen: Page, battle: Demo) -> None:
     with Player(battle, "Ann"), Player(battle, "Bob"), requests.Session() as cy, requests.Session() as di:
         waiting = {"Cy": cy, "Di": di}
         for name, http in waiting.items():
@@ -89,7 +87,8 @@ def test_who_waits_is_told_in_order(screen: Page, battle: Battle) -> None:
         expect(screen.locator("#queue")).to_be_hidden()
 
 
-def test_a_killed_server_is_told_and_found_again(screen: Page, battle: Battle) -> None:
+@pytest.mark.slow
+def test_a_killed_server_is_told_and_found_again(screen: Page, battle: Demo) -> None:
     expect(screen.locator("#headline")).not_to_have_text("Connecting...")
     with battle.pause(r"python3 -m server\.main"):
         expect(screen.locator("#banner")).to_have_text("The server does not answer. This page keeps trying.")
@@ -102,7 +101,7 @@ def test_a_killed_server_is_told_and_found_again(screen: Page, battle: Battle) -
 
 
 def test_without_a_place_at_rosbridge_the_state_comes_by_http_and_keeps_nobody_signed_in(
-    chromium: Browser, battle: Battle
+    chromium: Browser, battle: Demo
 ) -> None:
     def refuse(socket: WebSocketRoute) -> None:
         socket.close()
@@ -121,8 +120,10 @@ def test_without_a_place_at_rosbridge_the_state_comes_by_http_and_keeps_nobody_s
     context.close()
 
 
-@pytest.mark.parametrize("viewport", [(1280, 720), (844, 390), (390, 844)])
-def test_it_fits_every_screen(viewport: tuple[int, int], screen: Page, battle: Battle, screenshots: Path) -> None:
+@pytest.mark.parametrize(
+    "viewport", [(390, 844), *(pytest.param(size, marks=pytest.mark.slow) for size in ((1280, 720), (844, 390)))]
+)
+def test_it_fits_every_screen(viewport: tuple[int, int], screen: Page, battle: Demo, screenshots: Path) -> None:
     width, height = viewport
     screen.set_viewport_size({"width": width, "height": height})
     with Player(battle, "Ann"), Player(battle, "Bob"):
@@ -133,7 +134,7 @@ def test_it_fits_every_screen(viewport: tuple[int, int], screen: Page, battle: B
         screen.screenshot(path=screenshots / f"watch-{width}x{height}.png")
 
 
-def test_the_keyboard_leads_to_the_game_and_to_the_language(screen: Page, battle: Battle) -> None:
+def test_the_keyboard_leads_to_the_game_and_to_the_language(screen: Page, battle: Demo) -> None:
     reached = set()
     for _ in range(8):
         screen.keyboard.press("Tab")

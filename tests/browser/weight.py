@@ -4,11 +4,9 @@ from typing import Any
 
 from playwright.sync_api import Page
 
-from tests.support.polling import patience
-
 LOOK = 500  # ms between two looks
 QUIET = 4  # looks in a row
-LOOKS = 120  # of a quiet machine, then nothing will settle any more
+LOOKS = 240  # then nothing will settle any more
 
 
 class Weight:
@@ -35,7 +33,7 @@ class Weight:
         Playwright's "networkidle" counts what is asked again and again, too: a busy machine never gets there.
         """
         quiet, before = 0, 0
-        for _ in range(int(LOOKS * patience())):
+        for _ in range(LOOKS):
             self._page.wait_for_timeout(LOOK)
             quiet = quiet + 1 if len(self._addresses) == before else 0
             if quiet == QUIET:

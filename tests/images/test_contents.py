@@ -10,7 +10,7 @@ import pytest
 from tests.images.conftest import EVERY
 from tests.support.containers import Container, docker
 from tests.support.imagefile import IMAGES, dockerfile
-from tests.support.polling import patience, until
+from tests.support.polling import until
 from tests.support.programs import ROOT
 
 DEBIAN = {"linux/amd64": "amd64", "linux/arm64": "arm64", "linux/arm/v7": "armhf"}
@@ -127,7 +127,7 @@ def test_our_parts_are_all_there(started: Started) -> None:
 def test_it_ends_when_told(started: Started) -> None:
     took = started.container.stop()
     # an emulated program takes longer for everything
-    assert took < 2.0 * patience() or started.platform != "linux/amd64", f"took {took:.1f} s to end"
+    assert took < 10, "it had to be killed"
 
 
 @pytest.mark.parametrize(("image", "platform"), EVERY)

@@ -5,6 +5,7 @@ import sys
 from contextlib import closing
 from pathlib import Path
 
+import pytest
 from sqlalchemy import URL
 
 from server.store import versions
@@ -40,6 +41,7 @@ def mark(database: Path, number: int | None = None) -> int:
         return int(connection.execute("PRAGMA user_version").fetchone()[0])
 
 
+@pytest.mark.slow
 def test_database_and_ca_come_back_as_they_were_saved(tmp_path: Path) -> None:
     (tmp_path / "docker").write_text(DOCKER.format(root=ROOT, folder=tmp_path, python=sys.executable))
     (tmp_path / "docker").chmod(0o755)

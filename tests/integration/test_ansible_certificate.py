@@ -57,6 +57,7 @@ def master(tmp_path: Path) -> Master:
     return Master(tmp_path)
 
 
+@pytest.mark.slow
 def test_the_fleets_own_certificate_is_made_once_and_renewed_before_its_end(master: Master) -> None:
     master.deploy("")
     assert master.deploy("own", "--check") > 0
@@ -74,6 +75,7 @@ def test_the_fleets_own_certificate_is_made_once_and_renewed_before_its_end(mast
     assert (master.tls / "front.crt").read_text() != first
 
 
+@pytest.mark.slow
 def test_the_operators_certificate_takes_its_place_and_nothing_is_left_without_one(
     master: Master, tmp_path: Path
 ) -> None:
@@ -89,7 +91,9 @@ def test_the_operators_certificate_takes_its_place_and_nothing_is_left_without_o
     assert master.files() == {}
 
 
-@pytest.mark.parametrize("wrong", [True, "Own", "certificates", "/nowhere"])
+@pytest.mark.parametrize(
+    "wrong", ["Own", *(pytest.param(wrong, marks=pytest.mark.slow) for wrong in (True, "certificates", "/nowhere"))]
+)
 def test_a_wrong_setting_is_told_before_anything_is_taken_away(master: Master, wrong: object) -> None:
     master.deploy("own")
     before = master.files()

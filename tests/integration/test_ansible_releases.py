@@ -4,6 +4,7 @@ import base64
 import json
 from pathlib import Path
 
+import pytest
 import yaml
 
 from tests.support.local_play import play_role, recap
@@ -31,6 +32,7 @@ def releases_after_a_newest(folder: Path, runs: str) -> object:
     return json.loads((folder / "releases.json").read_text())
 
 
+@pytest.mark.slow
 def test_the_release_before_is_the_one_that_the_master_ran(tmp_path: Path) -> None:
     assert releases_after_a_newest(tmp_path, runs="2") == {"newest": noted("3"), "before": noted("2")}
     assert releases_after_a_newest(tmp_path, runs="1") == {"newest": noted("3"), "before": noted("1")}, "it went back"

@@ -58,6 +58,7 @@ def test_it_is_started_anew_only_with_other_settings(service: Service) -> None:
     assert service.run() == (0, [])
 
 
+@pytest.mark.slow
 def test_it_is_started_anew_after_its_settings_were_others_meanwhile(service: Service) -> None:
     """By hand: the file is as it was, and the service may run with what stood there in between."""
     service.run()
@@ -74,6 +75,7 @@ def test_what_has_failed_or_was_broken_off_is_made_up_for(service: Service) -> N
     assert service.run() == (1, STARTED_ANEW)
 
 
+@pytest.mark.slow
 def test_one_that_does_not_run_is_started(service: Service) -> None:
     service.run()
     (service.folder / "active").unlink()

@@ -130,6 +130,7 @@ def test_an_opening_resets_the_board_and_the_loader_starts_the_program_again(tmp
     assert 1 <= (timeout.cycles - opened.cycles) / CYCLES_PER_SECOND <= 1.5
 
 
+@pytest.mark.slow
 def test_the_robot_works_after_every_opening(tmp_path: Path) -> None:
     with (
         contextlib.closing(Arena()) as arena,
@@ -147,6 +148,7 @@ def test_the_robot_works_after_every_opening(tmp_path: Path) -> None:
         assert len(robot.cycles_of("reset", "opened")) == 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("loader", [[], ["--bootloader", OPTIBOOT]], ids=["without a loader", "after a reset"])
 def test_shooting_costs_the_simulator_no_more_than_driving(tmp_path: Path, loader: list[str | Path]) -> None:
     with (

@@ -7,30 +7,31 @@ from collections.abc import Iterator
 import pytest
 
 from server.rosbridge.gate import REFEREE_SILENCE
-from tests.support.battle import Battle
+from tests.support.demo import Demo
 from tests.support.play import PLAYING, keep_turning, start
 from tests.support.player import Eyes, Player
-from tests.support.polling import patience, until
+from tests.support.polling import until
 
-BACK = 10.0  # s; 1.6 on a quiet machine, but each worker of the tests has browsers and robots of its own
+BACK = 10.0  # s; 1.6 on a quiet machine
 HANG = 10.0  # s
 PROGRAMS = (r"python3 -m server\.main", r"python3 -m server\.rosbridge")
 
 
-Fight = tuple[Battle, Player, Player, Eyes]
+pytestmark = pytest.mark.slow  # the time is real
+Fight = tuple[Demo, Player, Player, Eyes]
 
 
 @pytest.fixture
-def fight() -> Iterator[Fight]:
+def fight(demo: Demo) -> Iterator[Fight]:
     """A battle that has just begun, its two players, and where their robots are."""
+    demo.play_by(countdown=1)
     with (
-        Battle(2, 0, LASERBOT_COUNTDOWN="1", LASERBOT_BATTLE_LIMIT="600") as battle,
-        Player(battle, "ann") as ann,
-        Player(battle, "bob") as bob,
-        Eyes(battle) as eyes,
+        Player(demo, "ann") as ann,
+        Player(demo, "bob") as bob,
+        Eyes(demo) as eyes,
     ):
         start(ann, bob)
-        yield battle, ann, bob, eyes
+        yield demo, ann, bob, eyes
 
 
 def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notice(fight: Fight) -> None:
@@ -48,7 +49,7 @@ def test_who_drives_while_the_web_server_is_killed_and_comes_back_does_not_notic
         stood += not turning(eyes, ann.robot)
     after = ann.look()
     assert stood == 0 or silent > REFEREE_SILENCE - 0.5, "after so long on a busy machine all robots are to stop"
-    assert silent < BACK * patience()
+    assert silent < BACK
     assert (after["game"], after["battle"]) == (PLAYING, begun["battle"])
     assert is_signed_in(bob)
 
@@ -73,7 +74,7 @@ def test_who_drives_while_the_ros_master_hangs_does_not_notice(fight: Fight) -> 
 def turning(eyes: Eyes, robot: int) -> bool:
     """Whether the robot turns within the next 0.3 s of a quiet machine."""
     heading = eyes.robots()[robot]["heading"]
-    end = time.monotonic() + 0.3 * patience()
+    end = time.monotonic() + 0.3
     while time.monotonic() < end:
         if abs(math.remainder(eyes.robots()[robot]["heading"] - heading, math.tau)) > 0.01:
             return True

@@ -8,33 +8,27 @@ from collections.abc import Iterator
 import pytest
 import requests
 
-from tests.support.battle import Battle
+from tests.support.demo import Demo
 from tests.support.play import PLAYING, STOPPED, hunt_down, obeys, reconnect, shoot_to_the_end, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
 
-@pytest.fixture(scope="module")
-def battle() -> Iterator[Battle]:
+@pytest.fixture
+def battle(demo: Demo) -> Demo:
     """A battle with short rules: a hit takes 40 of 100, the countdown 1 s."""
-    with Battle(robots=2, LASERBOT_HIT_DAMAGE="40", LASERBOT_COUNTDOWN="1") as running:
-        yield running
+    demo.play_by(hit_damage=40, countdown=1)
+    return demo
 
 
 @pytest.fixture
-def players(battle: Battle) -> Iterator[tuple[Player, Player]]:
-    """Ann and Bob, signed in, each with a robot; both robots must be free again before."""
-    until(lambda: available(battle) == 2, 20, "two free robots")
+def players(battle: Demo) -> Iterator[tuple[Player, Player]]:
+    """Ann and Bob, signed in, each with a robot."""
     with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob:
         yield ann, bob
 
 
-def available(battle: Battle) -> int:
-    reply = requests.post(f"{battle.web}/getAvailableRobots", timeout=5)
-    return int(reply.json()["availableR"])
-
-
-def test_a_command_turns_the_wheels_and_silence_stops_them(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_a_command_turns_the_wheels_and_silence_stops_them(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     with Eyes(battle) as eyes:
         start(ann, bob)
@@ -53,7 +47,7 @@ def test_a_command_turns_the_wheels_and_silence_stops_them(battle: Battle, playe
         assert eyes.robots()[bob.robot]["heading"] == other_before["heading"], "nobody drove Bob's robot"
 
 
-def test_shots_lower_the_life_on_every_page_and_end_the_battle(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_shots_lower_the_life_on_every_page_and_end_the_battle(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     with Eyes(battle) as eyes:
         start(ann, bob)
@@ -66,7 +60,7 @@ def test_shots_lower_the_life_on_every_page_and_end_the_battle(battle: Battle, p
         until(lambda: eyes.robots()[bob.robot]["hits"] >= 3, 5, "the arena counts the light pulses")
 
 
-def test_the_replay_has_where_the_robots_were(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_the_replay_has_where_the_robots_were(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     with Eyes(battle) as eyes, requests.Session() as http:
         start(ann, bob)
@@ -97,7 +91,7 @@ def position(robot: dict[str, float]) -> list[float]:
     return [robot["x"], robot["y"]]
 
 
-def test_nobody_drives_another_ones_robot_or_before_the_start(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_nobody_drives_another_ones_robot_or_before_the_start(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     with Eyes(battle) as eyes:
         before = eyes.robots()
@@ -122,7 +116,7 @@ def test_nobody_drives_another_ones_robot_or_before_the_start(battle: Battle, pl
 
 
 def test_a_robot_that_loses_its_arduino_is_out_of_the_battle_and_comes_back_to_its_player(
-    battle: Battle, players: tuple[Player, Player]
+    battle: Demo, players: tuple[Player, Player]
 ) -> None:
     ann, bob = players
     start(ann, bob)
@@ -137,7 +131,7 @@ def test_a_robot_that_loses_its_arduino_is_out_of_the_battle_and_comes_back_to_i
     assert bob.user("Bob")["robot"] == bob.robot
 
 
-def test_after_a_restart_of_the_server_everybody_goes_on(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_after_a_restart_of_the_server_everybody_goes_on(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     battle.kill(r"python3 -m server\.main")
 
@@ -153,7 +147,7 @@ def test_after_a_restart_of_the_server_everybody_goes_on(battle: Battle, players
             obeys(player, eyes, 15)
 
 
-def test_a_server_that_stood_still_takes_nobody_for_gone(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_a_server_that_stood_still_takes_nobody_for_gone(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     start(ann, bob)
     number = ann.look()["battle"]
@@ -167,7 +161,7 @@ def test_a_server_that_stood_still_takes_nobody_for_gone(battle: Battle, players
     assert {user["name"] for user in ann.look()["users"]} == {"Ann", "Bob"}
 
 
-def test_a_ros_master_that_hangs_is_not_noticed_in_a_battle(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_a_ros_master_that_hangs_is_not_noticed_in_a_battle(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     with Eyes(battle) as eyes:
         obeyed_until = time.monotonic() + 10
@@ -184,7 +178,7 @@ def test_a_ros_master_that_hangs_is_not_noticed_in_a_battle(battle: Battle, play
         obeys(bob, eyes)
 
 
-def test_rosbridge_restarts_and_the_players_go_on(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_rosbridge_restarts_and_the_players_go_on(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     start(ann, bob)
     battle.kill(r"python3 -m server\.rosbridge")
@@ -195,7 +189,7 @@ def test_rosbridge_restarts_and_the_players_go_on(battle: Battle, players: tuple
         obeys(ann, eyes, 10)
 
 
-def test_a_closed_socket_stops_the_robot(battle: Battle, players: tuple[Player, Player]) -> None:
+def test_a_closed_socket_stops_the_robot(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     with Eyes(battle) as eyes:
         start(ann, bob)

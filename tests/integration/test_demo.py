@@ -13,6 +13,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from tests.support.battle import PORTS, Battle, command_line, descendants
+from tests.support.demo import Demo
 from tests.support.play import hunt_down, obeys, start
 from tests.support.player import Eyes, Player, players_and_free_robots
 from tests.support.polling import until
@@ -20,7 +21,7 @@ from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
 
-def demo(*words: str, **variables: str) -> Program:
+def run_demo(*words: str, **variables: str) -> Program:
     return Program([str(ROOT / "ci" / "demo"), *words], variables)
 
 
@@ -32,7 +33,7 @@ def refusal(program: Program) -> str:
     return program.output
 
 
-@pytest.mark.parametrize("sig", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@pytest.mark.parametrize("sig", [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)])
 def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) -> None:
     battle = Battle(robots=2, bots=1)
     try:
@@ -48,6 +49,7 @@ def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) ->
             bridge.send(json.dumps({"op": "auth", "client": "operator", "mac": drive["ticket"]}))
             bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/get_time"}))
             assert json.loads(bridge.recv(timeout=10))["result"] is True
+        until(lambda: players_and_free_robots(battle) == ([("Bot1", 1)], 1), 10, "one robot is a person's")
         below = descendants(battle.program.process.pid)
         assert len(below) > 8
     finally:
@@ -75,6 +77,7 @@ def test_make_demo_starts_and_ctrl_c_ends_it() -> None:
     assert [part for part in below if command_line(part)] == []
 
 
+@pytest.mark.slow
 def test_a_killed_demo_takes_its_processes_with_it() -> None:
     battle = Battle(robots=1, bots=0)
     try:
@@ -90,6 +93,7 @@ def test_a_killed_demo_takes_its_processes_with_it() -> None:
     )
 
 
+@pytest.mark.slow
 def test_everybody_finds_the_way_back_after_the_ros_master_is_killed_in_a_battle() -> None:
     with Battle(robots=3, bots=1, LASERBOT_COUNTDOWN="1") as battle:
         first_master = battle.pid("server.rosmaster")
@@ -116,21 +120,12 @@ def fights_again(player: Player, other: Player, eyes: Eyes) -> bool:
     return False
 
 
-def test_robots_can_be_hit_by_the_light_of_either_rule() -> None:
-    with Battle(robots=2, LASERBOT_COUNTDOWN="1", LASERBOT_OPERATOR_TOKEN="desk") as battle:
-        for light in ("coded", "plain"):
-            bearer = {"Authorization": "Bearer desk"}
-            rules = f"{battle.web}/operator/api/rules"
-            requests.put(rules, json={"light": light}, headers=bearer, timeout=5).raise_for_status()
-            with Player(battle, "Ann") as ann, Player(battle, "Ben") as ben, Eyes(battle) as eyes:
-                start(ann, ben)
-                hunt_down(ann, ben, eyes, life=90)
-            until(lambda: players_and_free_robots(battle) == ([], 2), 20, "both have left")
-
-
-def test_the_bot_waits_for_a_human_as_an_opponent() -> None:
-    with Battle(robots=2, bots=1) as battle:
-        until(lambda: players_and_free_robots(battle) == ([("Bot1", 1)], 1), 10, "the other robot is free")
+@pytest.mark.parametrize("light", ["coded", "plain"])
+def test_robots_can_be_hit_by_the_light_of_either_rule(demo: Demo, light: str) -> None:
+    demo.play_by(countdown=1, light=light)
+    with Player(demo, "Ann") as ann, Player(demo, "Ben") as ben, Eyes(demo) as eyes:
+        start(ann, ben)
+        hunt_down(ann, ben, eyes, life=90)
 
 
 def test_a_port_in_use_is_one_clear_line() -> None:
@@ -138,7 +133,7 @@ def test_a_port_in_use_is_one_clear_line() -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        output = refusal(demo(LASERBOT_WEB_PORT=str(port)))
+        output = refusal(run_demo(LASERBOT_WEB_PORT=str(port)))
     line = output.strip().splitlines()[-1]
     assert f"port {port} (the game)" in line
     assert f"LASERBOT_WEB_PORT={port + 1} make demo" in line
@@ -158,4 +153,4 @@ def test_a_port_in_use_is_one_clear_line() -> None:
     ],
 )
 def test_bad_input_is_refused_in_plain_words(words: list[str], variables: dict[str, str], complaint: str) -> None:
-    assert complaint in refusal(demo(*words, **variables))
+    assert complaint in refusal(run_demo(*words, **variables))

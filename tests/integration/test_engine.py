@@ -72,6 +72,7 @@ def emulators_left() -> list[Path]:
     return []
 
 
+@pytest.mark.slow
 @needs_root
 def test_a_private_engine_runs_the_command_passes_its_exit_code_and_leaves_nothing() -> None:
     script = "echo at $DOCKER_HOST && docker info -f '{{.DriverStatus}}' && docker buildx version && exit 7"
@@ -83,6 +84,7 @@ def test_a_private_engine_runs_the_command_passes_its_exit_code_and_leaves_nothi
     assert not emulators_left()
 
 
+@pytest.mark.slow
 @needs_root
 def test_inside_an_engine_that_can_do_it_that_one_is_used() -> None:
     inner = f"env -u IMAGES_ENGINE {ENGINE} sh -c 'echo inner $IMAGES_ENGINE'"
@@ -90,6 +92,7 @@ def test_inside_an_engine_that_can_do_it_that_one_is_used() -> None:
     assert "inner running" in result.stdout, result.stderr
 
 
+@pytest.mark.slow
 @needs_root
 @pytest.mark.parametrize("sent", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_an_engine_that_is_interrupted_leaves_nothing(sent: signal.Signals) -> None:
@@ -106,6 +109,7 @@ def test_an_engine_that_is_interrupted_leaves_nothing(sent: signal.Signals) -> N
     assert not emulators_left()
 
 
+@pytest.mark.slow
 @needs_root
 def test_chosen_ports_of_a_private_engine_are_reached_through_the_systems() -> None:
     port = free_port()
@@ -122,6 +126,7 @@ def test_chosen_ports_of_a_private_engine_are_reached_through_the_systems() -> N
         program.stop(signal.SIGTERM)
 
 
+@pytest.mark.slow
 @needs_root
 def test_an_engine_that_is_killed_takes_every_process_with_it_and_the_next_one_cleans_up() -> None:
     program = start()
@@ -159,6 +164,7 @@ def arm_program(path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 @needs_root
 @pytest.mark.parametrize("ends_first", [0, 1])
 def test_of_two_engines_side_by_side_only_the_last_one_out_takes_the_emulators(

@@ -27,6 +27,7 @@ from tests.support.avr import (
 )
 from tests.support.firmware_bench import Bench, bench_in
 from tests.support.polling import until
+from tests.support.virtual_time import uno
 
 FULL = 1024.0  # half-steps/s
 SCALED = 716.8
@@ -246,23 +247,25 @@ def test_light_before_the_negotiation_is_not_reported(tmp_path: Path) -> None:
         assert host.count(RESPONSE_ID) == 0
 
 
-def test_a_flood_of_light_edges_neither_slows_the_wheels_nor_corrupts_frames(bench: Bench) -> None:
-    flood = 4000
-    mark = bench.robot.mark()
-    bench.arena.send("light 1\nlight 0\n" * flood)  # 4000 edges/s
-    bench.host.stream(command(1, 0), 0.9)
-    end = bench.last_command()
-    until(lambda: len(bench.robot.cycles_of("light", "0")) == flood, 10, "the end of the flood")
-    bench.robot.wait_until_still()
-
-    assert bench.robot.cycles_of("light", "0")[-1] > end  # the flood was there all the time
-    for wheel, expected in (("left", -FULL), ("right", FULL)):
-        steps = at_speed([step for step in bench.robot.steps(wheel, mark) if step[0] <= end])
-        assert speed(steps) == one_percent(expected)
-    assert bench.robot.cycles_of("slip") == []
-    assert bench.hits() == 0
-    bench.light_pulse(0.05)
-    until(lambda: bench.hits() == 1, 5, "a hit after the flood")
+def test_a_flood_of_light_edges_neither_slows_the_wheels_nor_corrupts_frames() -> None:
+    with uno(coded=False) as robot:
+        robot.connect()
+        for quarter in range(4000):  # 4000 edges/s for 1 s
+            if quarter % 100 == 0:
+                robot.send(command(1, 0))
+            robot.shine(quarter % 2 == 0)
+            robot.run(0.00025)
+        end = robot.now
+        for wheel, expected in ((1, -FULL), (2, FULL)):
+            steps = [(step[0], step[wheel]) for step in robot.steps if step[0] <= end]
+            assert speed(at_speed(steps)) == one_percent(expected)
+        assert robot.said(RESPONSE_ID) == []
+        robot.run(0.2)
+        robot.shine(True)
+        robot.run(0.05)
+        robot.shine(False)
+        robot.run(0.05)
+        assert len(robot.said(RESPONSE_ID)) == 1, "a hit after the flood"
 
 
 HALF = command(1, 0)[:7]
@@ -299,6 +302,7 @@ def test_a_good_command_right_behind_half_a_frame_works(shared_bench: Bench) -> 
     shared_bench.robot.wait_until_still()
 
 
+@pytest.mark.slow
 def test_the_robot_asks_for_the_time_every_2500_ms_answered_or_not(tmp_path: Path) -> None:
     (tmp_path / "answered").mkdir()
     (tmp_path / "alone").mkdir()

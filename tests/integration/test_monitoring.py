@@ -120,6 +120,7 @@ def labels_of(family: Any) -> list[str]:
     return list(family.samples[0].labels) if family.samples and "le" not in family.samples[0].labels else []
 
 
+@pytest.mark.slow
 def test_every_query_of_the_dashboard_has_an_answer(prometheus: Ask) -> None:
     dashboard = json.loads((ROOT / "monitoring/dashboard.json").read_text())
     queries = [target["expr"] for panel in dashboard["panels"] for target in panel["targets"]]
@@ -128,6 +129,7 @@ def test_every_query_of_the_dashboard_has_an_answer(prometheus: Ask) -> None:
         until(partial(prometheus, query), 30, query)
 
 
+@pytest.mark.slow
 def test_an_alert_names_the_robot_that_is_lost(watched: Watched, prometheus: Ask) -> None:
     lost = 'ALERTS{alertstate="firing", alertname="RobotLost"}'
     assert prometheus(lost) == []
@@ -151,6 +153,7 @@ def test_a_program_that_waits_for_the_referee_is_healthy_but_not_ready(watched: 
     until(lambda: watched.get("rosbridge", "/readyz").status_code == 200, 10, "rosbridge hears the referee again")
 
 
+@pytest.mark.slow
 def test_the_alerts_come_when_they_should_and_say_what_to_do() -> None:
     promtool = unpacked("promtool") / "usr/bin/promtool"
     rules = ROOT / "monitoring/rules_test.yml"

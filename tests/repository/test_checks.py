@@ -160,13 +160,6 @@ def test_the_workflows_run_make_test_and_before_a_release_everything() -> None:
     assert release["release"]["needs"] == "test"
 
 
-def test_every_slow_test_is_in_the_table_with_its_reason() -> None:
-    table = (ROOT / "CONTRIBUTING.md").read_text().partition("### Slow tests")[2].partition("\n## ")[0]
-    told = [ROOT / path for path in re.findall(r"\| `(tests/[^`]+)` \| \w", table)]
-    marked = [path for path in (ROOT / "tests").rglob("test_*.py") if re.search(r"\bmark\.slow\b", path.read_text())]
-    assert [path for path in marked if not any(path.is_relative_to(place) for place in told)] == []
-
-
 def test_the_workflow_runs_every_week() -> None:
     workflow = load(ROOT / ".github/workflows/ci.yml")
     (schedule,) = workflow[True]["schedule"]  # YAML reads the word "on" as true

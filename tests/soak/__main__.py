@@ -27,7 +27,7 @@ from tests.support.battle import Battle
 from tests.support.leaks import adopt_orphans, nothing_left
 from tests.support.light_robots import LightRobots
 from tests.support.player import players_and_free_robots
-from tests.support.polling import patience, until
+from tests.support.polling import competitors, until
 from tests.support.programs import ROOT
 
 MINUTES = 30.0
@@ -206,9 +206,7 @@ def soak(minutes: float, seed: int) -> dict[str, list[str]]:
 
 def report(verdicts: dict[str, list[str]]) -> int:
     """The table; returns the exit code."""
-    print(
-        f"\nlog: {LOG}\nload average {os.getloadavg()[0]:.1f}, {patience():.1f} times what this machine has cores for"
-    )
+    print(f"\nlog: {LOG}\nload average {os.getloadavg()[0]:.1f}, {competitors():.1f} programs for each processor")
     for what, reasons in verdicts.items():
         print(f"{'FAILED' if reasons else 'ok':8}{what}")
         for reason in reasons:

@@ -5,6 +5,7 @@ import os
 import re
 import shutil
 import signal
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -24,13 +25,27 @@ PORTS = (
 )
 
 
+class DemoProgram(Program):
+    """`ci/demo`, whose parts write into one log."""
+
+    def __init__(self, words: Sequence[str], environment: Mapping[str, str], log: Path) -> None:
+        self._parts_log = log
+        super().__init__([str(ROOT / "ci" / "demo"), *words], environment)
+
+    @property
+    def log(self) -> str:
+        with contextlib.suppress(OSError):  # it has not begun, or is tidied away
+            return self._parts_log.read_text(errors="replace")
+        return self.output
+
+
 class Battle:
     """`ci/demo` with `robots` virtual robots and `bots` bots; `variables` are LASERBOT_ settings, ports too."""
 
     def __init__(self, robots: int = 2, bots: int = 0, **variables: str) -> None:
         self.ports = {variable: int(variables.get(variable) or free_port()) for variable in PORTS}
         environment = {**{name: str(port) for name, port in self.ports.items()}, **variables}
-        self.program = Program([str(ROOT / "ci" / "demo"), "--robots", str(robots), "--bots", str(bots)], environment)
+        self.program = DemoProgram(["--robots", str(robots), "--bots", str(bots)], environment, self.folder / "log")
 
     @property
     def web_port(self) -> int:
@@ -67,7 +82,7 @@ class Battle:
     @property
     def log(self) -> str:
         """What all parts have said."""
-        return (self.folder / "log").read_text(errors="replace")
+        return self.program.log
 
     def wait_until_ready(self, seconds: float = 60.0) -> None:
         self.program.wait_for("Ctrl-C stops everything", seconds)
@@ -98,8 +113,12 @@ class Battle:
     def __exit__(
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self.end(is_well=kind is None)
+
+    def end(self, *, is_well: bool) -> None:
+        """`is_well`: its log has nothing to tell any more."""
         self.program.stop(seconds=30.0)
-        if kind is None:  # else the log may tell why
+        if is_well:
             shutil.rmtree(self.folder)
 
 

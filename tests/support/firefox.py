@@ -8,7 +8,7 @@ from typing import Any, Self
 
 from websockets.sync.client import connect
 
-from tests.support.polling import patience
+from tests.support.polling import LATEST
 from tests.support.programs import Program
 
 KEYS = {"Enter": "\ue007", "ArrowUp": "\ue013", "ArrowLeft": "\ue012"}  # as WebDriver names them
@@ -42,7 +42,7 @@ class Firefox:
         self._calls += 1
         self._socket.send(json.dumps({"id": self._calls, "method": method, "params": parameters}))
         while True:
-            heard = json.loads(self._socket.recv(timeout=30 * patience()))
+            heard = json.loads(self._socket.recv(timeout=LATEST))
             if heard.get("method") == "log.entryAdded" and heard["params"]["type"] == "javascript":
                 self.errors.append(heard["params"]["text"])
             if heard.get("id") == self._calls:

@@ -12,6 +12,8 @@ from tests.support.polling import until
 
 PR_SET_CHILD_SUBREAPER = 36
 
+lasting: set[int] = set()  # processes that are started in a test, and serve further ones
+
 
 def adopt_orphans() -> None:
     """What outlives its parent becomes a child of this process, so that it is seen."""
@@ -64,6 +66,6 @@ def children() -> set[str]:
                 command = " ".join(process.cmdline())
                 # ssh keeps a connection for the next play, and ends it; -W is what that goes through
                 kept = "[mux]" in command or (command.startswith("ssh ") and " -W " in command)
-                if process.status() != psutil.STATUS_ZOMBIE and not kept:
+                if process.status() != psutil.STATUS_ZOMBIE and not kept and process.pid not in lasting:
                     found.add(f"process {pid}: {command}")
     return found

@@ -4,6 +4,7 @@ import contextlib
 import math
 import threading
 from collections.abc import Iterator
+from typing import Protocol
 
 from websockets.exceptions import WebSocketException
 
@@ -78,7 +79,14 @@ def stands_still(player: Player, eyes: Eyes, seconds: float = 5.0) -> None:
     until(still, seconds, f"robot {player.robot} stands still")
 
 
-def hunt_down(shooter: Player, target: Player, eyes: Eyes, life: int, seconds: float = 60.0) -> None:
+class Prey(Protocol):
+    """Somebody who is shot at: a Player, or a person at a browser."""
+
+    name: str
+    robot: int
+
+
+def hunt_down(shooter: Player, target: Prey, eyes: Eyes, life: int, seconds: float = 60.0) -> None:
     """Hunt the target until it has `life` left."""
     hunter = Hunter(eyes.floor)
 

@@ -7,12 +7,23 @@ import subprocess
 import sys
 import tempfile
 import weakref
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from tests.support.polling import patience, until
+from tests.support.polling import until
 
 ROOT = Path(__file__).resolve().parents[2]
+TAIL = 25  # lines
+
+_all: "weakref.WeakSet[Program]" = weakref.WeakSet()
+
+
+def last_words() -> Iterator[tuple[str, str]]:
+    """The command and the end of the log of each program that a test has started, for whoever reads why it failed."""
+    for program in sorted(_all, key=lambda program: program.process.pid):
+        state = "still runs" if program.running else f"ended with {program.process.returncode}"
+        lines = program.log.splitlines()
+        yield f"{' '.join(program.command)} ({state})", "\n".join(lines[-TAIL:])
 
 
 class Program:
@@ -35,6 +46,7 @@ class Program:
             stderr=subprocess.STDOUT,
             start_new_session=True,
         )
+        _all.add(self)
 
     @classmethod
     def python(cls, module: str, *arguments: str, env: Mapping[str, str] | None = None) -> "Program":
@@ -47,6 +59,11 @@ class Program:
         """All that the program has printed so far."""
         size = os.fstat(self._log.fileno()).st_size
         return os.pread(self._log.fileno(), size, 0).decode(errors="replace")
+
+    @property
+    def log(self) -> str:
+        """What tells why something went wrong: all that it has printed, unless it writes its log elsewhere."""
+        return self.output
 
     @property
     def running(self) -> bool:
@@ -72,15 +89,12 @@ class Program:
         if self.running:
             self.process.send_signal(sig)
         try:
-            code = self.process.wait(seconds * patience())
-        except subprocess.TimeoutExpired:
-            os.killpg(self.process.pid, signal.SIGKILL)
-            self.process.wait()
-            raise AssertionError(f"{self.command} did not end within {seconds} s:\n{self.output}") from None
+            until(lambda: not self.running, seconds, f"the end of {self.command}")
+        except AssertionError as error:
+            raise AssertionError(f"{error}\n{self.output}") from None
         finally:
-            with contextlib.suppress(ProcessLookupError):
-                os.killpg(self.process.pid, signal.SIGKILL)
-        return code
+            self.kill()
+        return self.process.returncode
 
     def kill(self) -> None:
         """End the whole group at once, as a power cut does."""

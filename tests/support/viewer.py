@@ -3,13 +3,12 @@
 import json
 import select
 import struct
-import time
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, NamedTuple
 
 from tests.support.bare import BINARY, CLOSE, PING, PONG, TEXT, BareClient, frame
 from tests.support.fake_camera import Mark, mark_of
-from tests.support.polling import patience
+from tests.support.polling import Patience
 
 _HEADER = struct.Struct("<B3xIdd")
 
@@ -56,8 +55,8 @@ class Viewer(BareClient):
 
     def next(self, seconds: float = 10.0) -> dict[str, Any] | Shot:
         """The next message. AssertionError when none has come in time, ConnectionError at the end."""
-        deadline = time.monotonic() + seconds * patience()
-        while time.monotonic() < deadline:
+        patience = Patience(seconds)
+        while not patience.is_over:
             opcode, payload = self.hear_frame()
             if opcode == PING:
                 self.send(frame(payload, PONG))
@@ -71,8 +70,8 @@ class Viewer(BareClient):
 
     def wait(self, wanted: Callable[[Any], bool], seconds: float = 10.0) -> Any:
         """The next message that is wanted; AssertionError when none has come in time."""
-        deadline = time.monotonic() + seconds * patience()
-        while time.monotonic() < deadline:
+        patience = Patience(seconds)
+        while not patience.is_over:
             message = self.next()
             if wanted(message):
                 return message

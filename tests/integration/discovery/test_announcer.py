@@ -4,7 +4,6 @@ import contextlib
 import json
 import re
 import signal
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ import pytest
 
 from laser_bot_battle.names import MASTER_HOST, MASTER_HOST_ALIAS, VERSION
 from tests.support.lan import Lan, Machine, avahi, needs_root, sees
-from tests.support.polling import patience, until
+from tests.support.polling import LATEST, until
 
 pytestmark = needs_root
 
@@ -106,7 +105,7 @@ def ears() -> Iterator[type[Ears]]:
 def addresses_of(name: str, asker: Machine) -> list[str]:
     """Who answers for a host name."""
     program = asker.python(EARS, name)
-    assert program.process.wait(10 * patience()) == 0, program.output
+    assert program.process.wait(LATEST) == 0, program.output
     addresses: list[str] = json.loads(program.output)
     return addresses
 
@@ -124,9 +123,7 @@ def test_it_announces_the_arena_and_withdraws_it_at_its_end(lan: Lan, announcer,
         "text": {"version": VERSION, "rosbridge": "91", "ros": "92"},
     }
     hall.holds_its_names()
-    began = time.monotonic()
     assert hall.program.stop(signal.SIGTERM) == 0
-    assert time.monotonic() - began < 1 * patience()
     heard.hears(seconds=2)
     for name in NAMES:
         assert addresses_of(name, robot) == []
@@ -146,6 +143,7 @@ def test_it_shows_that_it_works(lan: Lan, announcer, tmp_path: Path) -> None:
     until(lambda: alive.stat().st_mtime > first, 2, "another one")
 
 
+@pytest.mark.slow
 def test_after_a_crash_it_comes_back_by_the_same_name(lan: Lan, announcer, ears) -> None:
     master, robot = lan.machine(), lan.machine()
     heard = ears(robot)
@@ -183,6 +181,7 @@ def test_it_follows_a_change_of_address(lan: Lan, announcer, ears) -> None:
         assert addresses_of(name, robot) == ["10.9.0.7"]
 
 
+@pytest.mark.slow
 def test_a_second_address_is_announced_and_leaves_again(lan: Lan, announcer, ears) -> None:
     master, robot = lan.machine(), lan.machine()
     heard = ears(robot)
@@ -194,6 +193,7 @@ def test_a_second_address_is_announced_and_leaves_again(lan: Lan, announcer, ear
     heard.hears_it_at("10.9.0.1", seconds=3)
 
 
+@pytest.mark.slow
 def test_without_a_network_it_waits_for_one(lan: Lan, announcer, ears) -> None:
     master, robot = lan.machine(), lan.machine()
     heard = ears(robot)
@@ -205,6 +205,7 @@ def test_without_a_network_it_waits_for_one(lan: Lan, announcer, ears) -> None:
     assert hall.output.count("nothing is announced") == 1
 
 
+@pytest.mark.slow
 def test_a_cut_with_the_address_kept_changes_nothing(lan: Lan, announcer, ears) -> None:
     master, robot = lan.machine(), lan.machine()
     hall = announcer(master)
@@ -251,6 +252,7 @@ def test_with_ipv6_it_announces_ipv4_which_is_all_that_ros_knows(lan: Lan, annou
     assert addresses_of(MASTER_HOST, robot) == ["10.9.0.1"]
 
 
+@pytest.mark.slow
 def test_avahi_elsewhere_finds_the_arena_and_the_host_names(lan: Lan, announcer, tmp_path: Path) -> None:
     master, robot = lan.machine(), lan.machine()
     announcer(master).holds_its_names()
@@ -262,6 +264,7 @@ def test_avahi_elsewhere_finds_the_arena_and_the_host_names(lan: Lan, announcer,
         assert "LaserBot\\032Battle\\032hall" in robot.run("avahi-browse", "-ptk", "_http._tcp")
 
 
+@pytest.mark.slow
 def test_a_host_name_of_avahi_on_the_same_machine_is_left_to_it(lan: Lan, announcer, ears, tmp_path: Path) -> None:
     master, robot = lan.machine(), lan.machine()
     heard = ears(robot)
@@ -278,6 +281,7 @@ def test_a_host_name_of_avahi_on_the_same_machine_is_left_to_it(lan: Lan, announ
         assert "conflict" not in daemon.output
 
 
+@pytest.mark.slow
 def test_avahi_that_starts_later_on_the_same_machine_keeps_its_name(lan: Lan, announcer, tmp_path: Path) -> None:
     master, robot = lan.machine(), lan.machine()
     hall = announcer(master)
@@ -316,6 +320,7 @@ def test_the_second_master_of_a_name_is_called_otherwise(lan: Lan, announcer, ea
     assert "left" not in one.output
 
 
+@pytest.mark.slow
 def test_two_masters_that_start_at_once_share_no_name(lan: Lan, announcer, ears) -> None:
     first, second, robot = (lan.machine() for _ in range(3))
     heard = ears(robot)
@@ -327,6 +332,7 @@ def test_two_masters_that_start_at_once_share_no_name(lan: Lan, announcer, ears)
         until(lambda name=name: addresses_of(name, robot) == ["10.9.0.2"], 10, "the higher address keeps it")
 
 
+@pytest.mark.slow
 def test_when_two_networks_become_one_the_higher_address_keeps_the_names(lan: Lan, announcer, ears) -> None:
     first, second, robot = (lan.machine() for _ in range(3))
     lan.plug(second, False)
@@ -344,6 +350,7 @@ def test_when_two_networks_become_one_the_higher_address_keeps_the_names(lan: La
     ears(robot).hears("hall", "hall-2", seconds=10)
 
 
+@pytest.mark.slow
 def test_a_flood_of_nonsense_costs_no_memory_and_the_arena_stays_announced(lan: Lan, announcer, ears) -> None:
     master, robot, other = (lan.machine() for _ in range(3))
     hall = announcer(master)

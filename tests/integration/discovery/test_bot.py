@@ -3,6 +3,8 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from tests.integration.discovery.master import NOTHING_GIVEN, LanMaster
 from tests.integration.discovery.robot import LanRobot
 from tests.support.lan import Lan, needs_root
@@ -11,6 +13,7 @@ from tests.support.polling import until
 pytestmark = needs_root
 
 
+@pytest.mark.slow
 def test_a_bot_finds_the_master_and_follows_it_to_another_address(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     bot = lan.machine().python("sim.bot", env=NOTHING_GIVEN)
@@ -29,6 +32,7 @@ def test_a_bot_finds_the_master_and_follows_it_to_another_address(lan: Lan, tmp_
     assert "Traceback" not in bot.output
 
 
+@pytest.mark.slow
 def test_a_bot_that_was_given_an_address_stays_there(lan: Lan, tmp_path: Path) -> None:
     bot = lan.machine().python("sim.bot", env={**NOTHING_GIVEN, "LASERBOT_MASTER": "10.9.0.9"})
     with LanMaster(lan.machine(), "hall", tmp_path):

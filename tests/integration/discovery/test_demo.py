@@ -4,6 +4,8 @@ import re
 import signal
 import sys
 
+import pytest
+
 from tests.support.lan import Lan, needs_root
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -15,6 +17,7 @@ EARS = "tests.integration.discovery.ears"
 NODES = ["/robots_server", "/rosbridge_websocket", "/Robot0"]
 
 
+@pytest.mark.slow
 def test_others_reach_the_game(lan: Lan) -> None:
     """Its own virtual robots stay on the machine."""
     here, other = lan.machine(), lan.machine()

@@ -21,6 +21,7 @@ def test_a_robot_joins_the_only_arena_without_any_address(lan: Lan, tmp_path: Pa
     assert robot.output.count("announced") == 1
 
 
+@pytest.mark.slow
 def test_its_parts_find_the_arena_when_they_are_started_by_hand(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     with LanMaster(home, "hall", tmp_path):
@@ -63,6 +64,7 @@ def test_with_two_arenas_and_no_name_it_joins_none_and_says_which_there_are(lan:
         stays(lambda: hall.robots() + attic.robots() == 0, 3)
 
 
+@pytest.mark.slow
 def test_with_a_name_it_joins_that_one(lan: Lan, tmp_path: Path) -> None:
     with (
         LanMaster(lan.machine(), "hall", tmp_path) as hall,
@@ -81,6 +83,7 @@ def test_a_given_address_is_taken_and_nothing_looked_for(lan: Lan, tmp_path: Pat
         assert "master at 10.9.0.1, as LASERBOT_MASTER says" in robot.output
 
 
+@pytest.mark.slow
 def test_ipv6_and_avahi_on_its_machine_do_not_disturb(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     for number, machine in enumerate((home, away), 1):
@@ -107,6 +110,7 @@ def test_an_announcement_that_is_no_good_is_told_in_a_line_and_not_joined(
     assert "asking the Arduino" not in robot.output
 
 
+@pytest.mark.slow
 def test_a_false_place_under_the_same_name_does_not_hide_the_true_one(lan: Lan, tmp_path: Path) -> None:
     with LanMaster(lan.machine(), "hall", tmp_path) as master:
         liar = announced(lan.machine(), "hall", "10.9.0.99", "--web", "1")
@@ -115,6 +119,7 @@ def test_a_false_place_under_the_same_name_does_not_hide_the_true_one(lan: Lan, 
         liar.kill()
 
 
+@pytest.mark.slow
 def test_among_10000_announcements_of_nonsense_and_broken_packets_the_named_arena_is_joined(
     lan: Lan, tmp_path: Path
 ) -> None:
@@ -133,6 +138,7 @@ def test_among_10000_announcements_of_nonsense_and_broken_packets_the_named_aren
         assert robot.output.count("\n") < lines + 20
 
 
+@pytest.mark.slow
 def test_where_multicast_does_not_pass_it_says_what_to_set(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     lan.stop_multicast()
@@ -141,6 +147,7 @@ def test_where_multicast_does_not_pass_it_says_what_to_set(lan: Lan, tmp_path: P
         assert master.robots() == 0
 
 
+@pytest.mark.slow
 def test_where_multicast_does_not_pass_a_name_server_that_knows_the_usual_name_helps(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     lan.stop_multicast()
@@ -152,6 +159,7 @@ def test_where_multicast_does_not_pass_a_name_server_that_knows_the_usual_name_h
         robot.wait_for("master at laser_bot_master.local, by its usual host name, because no arena announces itself")
 
 
+@pytest.mark.slow
 def test_without_a_network_it_says_so_and_goes_on_when_there_is_one(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     away.ip("addr", "flush", "dev", "eth0")

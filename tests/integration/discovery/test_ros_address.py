@@ -100,6 +100,7 @@ def test_beside_another_machines_ros_master_it_is_found_at_its_own_address(
     master.finds(master.start(module, on=other, ROS_MASTER_URI="http://10.9.0.1:11311"), "10.9.0.2")
 
 
+@pytest.mark.slow
 @every_program
 def test_with_another_address_it_ends_and_comes_back_there(master: Master, module: str) -> None:
     program = master.start(module)
@@ -112,6 +113,7 @@ def test_with_another_address_it_ends_and_comes_back_there(master: Master, modul
     master.finds(master.start(module), "10.9.0.7")
 
 
+@pytest.mark.slow
 @every_program
 def test_a_program_that_was_there_before_the_network_is_found_in_it(master: Master, module: str) -> None:
     master.machine.ip("addr", "flush", "dev", "eth0", "scope", "global")
@@ -122,6 +124,7 @@ def test_a_program_that_was_there_before_the_network_is_found_in_it(master: Mast
     master.finds(master.start(module), "10.9.0.7")
 
 
+@pytest.mark.slow
 def test_a_cut_of_10_s_with_the_address_kept_changes_nothing(lan: Lan, master: Master) -> None:
     programs = [master.start(module) for module in NODES]
     for program in programs:

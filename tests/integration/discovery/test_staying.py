@@ -19,6 +19,7 @@ def joined(master: LanMaster, robot: LanRobot) -> None:
     robot.wait_for("/Robot0/command")
 
 
+@pytest.mark.slow
 def test_no_announcement_takes_it_away_from_a_master_that_lives(lan: Lan, tmp_path: Path) -> None:
     home, elsewhere = lan.machine(), lan.machine()
     with LanMaster(home, "hall", tmp_path) as master, LanRobot(lan.machine(), tmp_path) as robot:
@@ -63,6 +64,7 @@ def test_a_master_that_changes_its_address_is_found_within_5_s(lan: Lan, tmp_pat
         master.has_robot()
 
 
+@pytest.mark.slow
 def test_a_robot_that_changes_its_address_tells_ros(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     with LanMaster(home, "hall", tmp_path) as master, LanRobot(away, tmp_path) as robot:
@@ -89,6 +91,7 @@ def test_a_master_that_was_away_and_comes_back_at_another_address_is_found_withi
         master.has_robot()
 
 
+@pytest.mark.slow
 def test_a_cut_of_10_s_and_a_false_announcement_meanwhile_change_nothing(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     with LanMaster(home, "hall", tmp_path) as master, LanRobot(away, tmp_path) as robot:

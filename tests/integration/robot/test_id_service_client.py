@@ -61,6 +61,7 @@ def test_a_robot_registers_once_its_arduino_answers_and_pings_with_its_id(
     assert ids.keys == [hashlib.sha256(key.encode()).hexdigest()]
 
 
+@pytest.mark.slow
 def test_the_pings_start_once_the_id_is_there_however_long_its_asker_takes_to_end(
     ids: IdService, web: WebServer, settings: dict[str, str], tmp_path: Path
 ) -> None:
@@ -75,6 +76,7 @@ def test_the_pings_start_once_the_id_is_there_however_long_its_asker_takes_to_en
         robot.stop()
 
 
+@pytest.mark.slow
 def test_every_start_has_a_key_of_its_own(ids: IdService, web: WebServer, robot: Program, settings) -> None:
     robot.wait_for("New robot ID = 0")
     robot.stop()
@@ -86,6 +88,7 @@ def test_every_start_has_a_key_of_its_own(ids: IdService, web: WebServer, robot:
     assert len(set(ids.keys)) == 2
 
 
+@pytest.mark.slow
 def test_the_sign_of_life_is_renewed_while_the_robot_works_and_only_then(
     ids: IdService, web: WebServer, settings: dict[str, str], robot: Program
 ) -> None:
@@ -107,6 +110,7 @@ def test_the_sign_of_life_is_renewed_while_the_robot_works_and_only_then(
     until(lambda: age() < 1)
 
 
+@pytest.mark.slow
 def test_a_robot_whose_arduino_does_not_answer_is_not_registered(
     ids: IdService, web: WebServer, device: Device, robot: Program
 ) -> None:
@@ -133,6 +137,7 @@ def test_a_server_that_forgot_the_robot_is_asked_again_and_the_serial_node_start
     until(lambda: len(web.pings) > pings + 3)
 
 
+@pytest.mark.slow
 def test_a_new_id_starts_the_serial_node_under_the_new_name(ids: IdService, web: WebServer, robot: Program) -> None:
     robot.wait_for("/Robot0/command")
     ids.give("5")
@@ -144,6 +149,7 @@ def test_a_new_id_starts_the_serial_node_under_the_new_name(ids: IdService, web:
     until(lambda: web.pings[-1][2].startswith("ID=5&"))
 
 
+@pytest.mark.slow
 def test_pings_stop_when_the_serial_node_ends_and_the_robot_comes_back(
     ids: IdService, web: WebServer, robot: Program
 ) -> None:
@@ -187,6 +193,7 @@ def test_a_web_server_that_is_away_and_back_changes_nothing_else(
     assert len(ids.callers) == 1
 
 
+@pytest.mark.slow
 def test_without_the_service_the_reason_is_said_and_the_robot_tries_again(
     ros_master: RosMaster, tmp_path: Path, robot: Program
 ) -> None:
@@ -196,6 +203,7 @@ def test_without_the_service_the_reason_is_said_and_the_robot_tries_again(
     service.kill()
 
 
+@pytest.mark.slow
 def test_without_a_ros_master_the_reason_is_said_and_the_robot_tries_again(device: Device, tmp_path: Path) -> None:
     master = RosMaster(tmp_path)
     env = {**master.env, "LASERBOT_SERIAL": device.path, "LASERBOT_RETRY": "0.2", "LASERBOT_MASTER": "127.0.0.1"}
@@ -221,6 +229,7 @@ def test_a_signal_ends_everything_quickly_and_cleanly(
     assert "Traceback" not in robot.output
 
 
+@pytest.mark.slow
 def test_a_signal_ends_it_while_it_asks_the_arduino(device: Device, robot: Program) -> None:
     device.answers = False
     until(lambda: device.topic_requests)

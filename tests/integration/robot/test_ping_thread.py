@@ -9,7 +9,7 @@ import pytest
 
 from robot.ping_thread import PingThread
 from tests.integration.robot.web_server import WebServer
-from tests.support.polling import patience, until
+from tests.support.polling import LATEST, until
 
 
 @pytest.fixture
@@ -97,6 +97,6 @@ def test_a_server_that_hangs_is_not_waited_for_longer_than_a_second(
 def test_no_ping_is_sent_after_the_stop(web: WebServer) -> None:
     with PingThread(web.url, 7, "secret") as pings:
         until(lambda: len(web.pings) >= 2)
-    pings.join(3 * patience())
+    pings.join(LATEST)
     assert not pings.is_alive()
     assert "pings" not in [thread.name for thread in threading.enumerate()]

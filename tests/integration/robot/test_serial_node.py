@@ -80,6 +80,7 @@ def test_a_flood_of_commands_is_thinned_to_what_the_line_carries(start: Start, d
     assert 2 < len(device.commands()) < 20 + line_speed * (time.monotonic() - begun)
 
 
+@pytest.mark.slow
 def test_of_the_commands_that_come_while_the_line_takes_nothing_the_newest_follows(
     start: Start, device: Device
 ) -> None:
@@ -93,6 +94,7 @@ def test_of_the_commands_that_come_while_the_line_takes_nothing_the_newest_follo
     assert written in ([b"\x01\0\0", b"\x01\xff\x01", b"\0\0\0"], [b"\x01\0\0", b"\0\0\0"])
 
 
+@pytest.mark.slow
 def test_a_device_that_takes_no_command_ends_the_node_with_an_error(start: Start, device: Device) -> None:
     node = serve(start, device.path, 33)
     with device.clogged():
@@ -123,6 +125,7 @@ def test_an_unplugged_device_ends_the_node_with_an_error(start: Start, device: D
     assert "Traceback" not in node.output
 
 
+@pytest.mark.slow
 def test_a_device_that_never_answers_ends_the_node_with_an_error(start: Start, device: Device) -> None:
     device.answers = False
     node = start("robot.serial_node", device.path, "__name:=Robot18")
@@ -176,6 +179,7 @@ def test_an_absent_ros_master_is_an_error_of_one_line(device: Device, ros_master
     assert "Traceback" not in node.output
 
 
+@pytest.mark.slow
 def test_so_is_one_that_falls_silent_meanwhile(device: Device) -> None:
     silent = threading.Event()
     with SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False) as master:
@@ -196,6 +200,7 @@ def test_so_is_one_that_falls_silent_meanwhile(device: Device) -> None:
     assert "Traceback" not in node.output
 
 
+@pytest.mark.slow
 def test_a_ros_master_that_hangs_stops_neither_the_node_nor_its_commands(device: Device, tmp_path: Path) -> None:
     master = RosMaster(tmp_path)
     master.start()
@@ -218,6 +223,7 @@ def test_a_ros_master_that_hangs_stops_neither_the_node_nor_its_commands(device:
         master.stop()
 
 
+@pytest.mark.slow
 def test_it_ends_also_while_the_ros_master_hangs(device: Device, tmp_path: Path) -> None:
     master = RosMaster(tmp_path)
     master.start()
@@ -247,6 +253,7 @@ def test_a_restarted_ros_master_ends_the_node(device: Device, tmp_path: Path) ->
         master.stop()
 
 
+@pytest.mark.slow
 def test_a_node_whose_name_is_taken_ends(start: Start, device: Device, tmp_path: Path) -> None:
     node = serve(start, device.path, 25)
     with Device(tmp_path / "ttyACM1") as other:

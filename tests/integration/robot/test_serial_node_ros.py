@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any
 from xmlrpc.server import SimpleXMLRPCServer
 
+import pytest
+
 from laser_bot_battle.master import Master
 from laser_bot_battle.msg import BoardHealth, Setup
 from robot.device_topics import serialised
@@ -16,7 +18,7 @@ from robot.rosserial.frame import encode
 from robot.rosserial.topic_info import TopicInfo
 from tests.integration.robot.conftest import Start, serve
 from tests.integration.robot.device import COMMAND, EMPTY, ROBOT_MSG, Device
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
 
@@ -116,6 +118,7 @@ def test_log_lines_of_the_device_are_in_rosout_and_the_line_is_in_diagnostics(st
     until(lambda: 'name: "Robot46: serial line" message: "the device answers"' in diagnostics.output)
 
 
+@pytest.mark.slow  # 20 s of real time
 def test_parameter_requests_do_not_starve_commands(start: Start, device: Device, ros_master: RosMaster) -> None:
     """The requests fill the line to 45 %; the driver sends 800 commands in 20 s."""
     Master(ros_master.uri, "test").call("setParam", "/gain", list(range(10)))
@@ -178,13 +181,12 @@ def test_names_of_other_robots_and_of_the_master_are_refused(start: Start, tmp_p
         assert "joined, id 101" not in node.output
 
 
+@pytest.mark.slow
 def test_a_mute_device_is_noticed_within_5_s(start: Start, device: Device) -> None:
     node = serve(start, device.path, 51)
     device.answers = False
-    begun = time.monotonic()
-    assert node.process.wait(30) == 1
+    assert node.process.wait(LATEST) == 1
     assert "no time request for 5 s and no answer to the topic request" in node.output
-    assert time.monotonic() - begun < 15  # on a busy machine
 
 
 def test_the_last_setup_is_sent_again_to_a_device_that_tells_its_topics_again(start: Start, tmp_path: Path) -> None:
@@ -225,6 +227,7 @@ def test_a_setup_that_was_lost_on_the_line_is_sent_again_until_the_board_is_in_i
         assert set(device.payloads(101)) == {serialised(Setup(54, 1, Setup.CODED, 500, 0))}
 
 
+@pytest.mark.slow
 def test_a_publisher_of_the_setup_that_did_not_answer_is_asked_again(
     start: Start, ros_master: RosMaster, tmp_path: Path
 ) -> None:

@@ -57,6 +57,7 @@ def test_it_is_lit_until_the_robot_has_an_id_then_blinks_slowly_and_is_dark_in_t
     assert robot.output.count("LED released") == 1
 
 
+@pytest.mark.slow
 def test_it_blinks_fast_while_there_is_no_arduino(ids: IdService, device: Device, robot: Program) -> None:
     until(lambda: slowly(robot), 15)
     device.unplug()
@@ -65,6 +66,7 @@ def test_it_blinks_fast_while_there_is_no_arduino(ids: IdService, device: Device
         until(lambda: slowly(robot), 15)
 
 
+@pytest.mark.slow
 def test_it_blinks_fast_while_the_web_server_does_not_answer(ids: IdService, web: WebServer, robot: Program) -> None:
     until(lambda: slowly(robot), 15)
     web.stop()
@@ -73,6 +75,7 @@ def test_it_blinks_fast_while_the_web_server_does_not_answer(ids: IdService, web
     until(lambda: slowly(robot))
 
 
+@pytest.mark.slow
 def test_it_blinks_fast_while_the_server_has_no_id_for_the_robot(
     ids: IdService, web: WebServer, robot: Program
 ) -> None:
@@ -85,6 +88,7 @@ def test_it_blinks_fast_while_the_server_has_no_id_for_the_robot(
     until(lambda: slowly(robot), 15)
 
 
+@pytest.mark.slow
 def test_without_an_id_it_blinks_fast_from_the_first_failure_on(ids: IdService, robot: Program) -> None:
     ids.give("none")
     robot.wait_for("Service call failed")
@@ -102,6 +106,7 @@ def test_without_gpio_one_line_says_so_and_the_robot_works(
     assert lines == [f"no status LED: line 18 of {CHIP}: [Errno 2] No such file or directory"]
 
 
+@pytest.mark.slow
 def test_without_the_library_one_line_says_so_and_the_robot_works(
     ids: IdService, web: WebServer, settings: dict[str, str], tmp_path: Path
 ) -> None:

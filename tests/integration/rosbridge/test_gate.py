@@ -149,6 +149,7 @@ def test_who_authenticates_before_rosbridge_knows_of_the_sign_up_is_let_in(duel:
     duel.ready(cy, 2)
 
 
+@pytest.mark.slow
 def test_a_wrong_token_changes_nothing(duel: Duel, client: Connect) -> None:
     al = client("token-of-al")
     al.say("auth", client="al", mac="guess", id=5)

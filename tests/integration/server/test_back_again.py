@@ -27,6 +27,7 @@ def url(request: pytest.FixtureRequest, tmp_path: Path, postgres: Postgres) -> U
     return postgres.new_database()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("by", [signal.SIGKILL, signal.SIGTERM])
 def test_a_server_that_ends_in_a_battle_goes_on_with_it(
     launch: Callable[..., GameServer], url: URL, by: signal.Signals

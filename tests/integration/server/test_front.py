@@ -85,6 +85,7 @@ def test_the_arena_may_be_another_machines() -> None:
             thread.join()
 
 
+@pytest.mark.slow
 def test_one_address_cannot_have_all_connections() -> None:
     held: list[str] = []
     done = threading.Event()

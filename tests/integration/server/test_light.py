@@ -80,6 +80,7 @@ def test_a_coded_shot_is_known_by_its_shooter_and_told_at_once(new_duel: Callabl
     ]
 
 
+@pytest.mark.slow
 def test_plain_light_needs_a_shot_as_soon_as_somebody_tells_of_shots(new_duel: Callable[..., Duel]) -> None:
     duel = new_duel()
     duel.begin()
@@ -120,6 +121,7 @@ def test_health_is_on_the_desk_and_a_weak_robot_is_told_to_its_player(new_duel: 
     until(lambda: health()[0]["warnings"] == ["wrong_light"], 15, "these boards stay plain")
 
 
+@pytest.mark.slow
 def test_an_operator_asks_a_robot_to_show_itself(new_duel: Callable[..., Duel]) -> None:
     duel = new_duel()
     board = duel.server.peer("board", "1", "4900")

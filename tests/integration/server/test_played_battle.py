@@ -84,6 +84,7 @@ def test_a_robot_that_vanishes_takes_its_player_along_and_the_battle_ends_by_the
     listener.wait_for(lambda status: [user["name"] for user in status["users"]] == ["bob"], 20)
 
 
+@pytest.mark.slow
 def test_a_late_hit_for_a_removed_robot_hurts_nobody_and_a_returned_robot_is_hit_once(server):
     robots = {name: server.robot(name) for name in ("a", "b", "c")}
     pages = [server.player(name) for name in ("ada", "bob", "cy")]
@@ -111,6 +112,7 @@ def test_a_late_hit_for_a_removed_robot_hurts_nobody_and_a_returned_robot_is_hit
         page.close()
 
 
+@pytest.mark.slow
 def test_two_logins_with_one_name_at_the_same_instant(server):
     for name in ("a", "b", "c"):
         server.robot(name)
@@ -148,6 +150,7 @@ def test_bad_input_over_real_http_is_answered_in_json(server):
     assert "Traceback" not in server.program.output
 
 
+@pytest.mark.slow
 def test_a_ros_master_that_hangs_does_not_hold_up_the_news(launch, own_master):
     own_master.start()
     server = launch(master=own_master)

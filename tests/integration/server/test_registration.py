@@ -62,6 +62,7 @@ def test_a_robot_that_restarts_at_once_keeps_its_player(server):
     assert json.loads(ada.post("updateGameStatus")["users"])[0]["name"] == "ada"
 
 
+@pytest.mark.slow
 def test_two_original_clients_get_two_ids_and_keep_them_whatever_address_of_the_machine_they_use(launch):
     """They register at the address that ROS tells, and ping the one that they were given."""
     others = sorted(address for address in own_addresses() if not address.startswith("127."))
@@ -79,6 +80,7 @@ def test_two_original_clients_get_two_ids_and_keep_them_whatever_address_of_the_
     assert "gone" not in server.program.output
 
 
+@pytest.mark.slow
 def test_the_ids_that_an_older_version_has_kept_in_a_file_are_taken_over_once(launch, tmp_path):
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "robots.json").write_text('{"/id_service_client_a": 7}')
@@ -136,6 +138,7 @@ def test_a_silent_robot_is_removed_and_its_subscription_with_it(server):
     assert server.post("incAlive", ID=0) == {"status": "ERROR"}
 
 
+@pytest.mark.slow
 def test_peers_that_stall_while_greeting_hold_up_nobody_and_are_cut_off(server, ros_master):
     service = Master(ros_master.uri, "/test").call("lookupService", "/add_new_robot")
     place = urlsplit(service)

@@ -16,7 +16,7 @@ import requests
 from requests.adapters import HTTPAdapter
 
 from tests.integration.server.conftest import GameServer
-from tests.support.polling import patience, until
+from tests.support.polling import LATEST, until
 
 LIMIT = 500  # connections at once
 
@@ -134,6 +134,7 @@ def test_a_path_cannot_write_a_line_of_its_own(server: GameServer, connect) -> N
     assert "refused" in line
 
 
+@pytest.mark.slow  # the time is real
 @pytest.mark.parametrize("source", ["127.0.0.2", "127.0.0.1"])
 def test_silent_sockets_do_not_lock_visitors_out(server: GameServer, connect, many_files, source: str) -> None:
     slow = [connect(source) for _ in range(LIMIT + 20)]
@@ -142,16 +143,16 @@ def test_silent_sockets_do_not_lock_visitors_out(server: GameServer, connect, ma
             connection.sendall(b"GET / HTTP/1.1\r\nHost: a\r\n")  # and no end
     begun = time.monotonic()
     for _ in range(10):
-        assert requests.get(f"{server.url}/", timeout=5 * patience()).status_code == 200
-    assert time.monotonic() - begun < 2 * patience()
+        assert requests.get(f"{server.url}/", timeout=LATEST).status_code == 200
+    assert time.monotonic() - begun < 2
     slow += [connect(source) for _ in range(LIMIT)]  # as often as they like
     begun = time.monotonic()
-    assert requests.get(f"{server.url}/", timeout=5 * patience()).status_code == 200
-    assert time.monotonic() - begun < 2 * patience()
+    assert requests.get(f"{server.url}/", timeout=LATEST).status_code == 200
+    assert time.monotonic() - begun < 2
 
 
 def test_who_has_few_places_keeps_them(server: GameServer, connect, many_files) -> None:
-    with closing(HTTPConnection("127.0.0.1", server.port, timeout=5 * patience())) as visitor:
+    with closing(HTTPConnection("127.0.0.1", server.port, timeout=LATEST)) as visitor:
         visitor.auto_open = False
         visitor.connect()
         for _ in range(LIMIT + 50):
@@ -175,9 +176,10 @@ def post(server: GameServer, source: str, route: str, **fields: object) -> reque
     """As a new visitor from that address."""
     with requests.Session() as http:
         http.mount("http://", Source(source))
-        return http.post(f"{server.url}/{route}", data=fields, timeout=5 * patience())
+        return http.post(f"{server.url}/{route}", data=fields, timeout=LATEST)
 
 
+@pytest.mark.slow
 def test_one_address_does_not_take_all_robots_at_once(server: GameServer) -> None:
     for number in range(6):
         server.robot(f"r{number}")
@@ -197,6 +199,7 @@ def register(server: GameServer, first: int, last: int, key: str = "") -> list[i
     return ids
 
 
+@pytest.mark.slow
 def test_only_the_robot_itself_keeps_itself_alive(server: GameServer) -> None:
     key = "the robot's own secret"
     assert register(server, 0, 1, hashlib.sha256(key.encode()).hexdigest()) == [0]
@@ -266,5 +269,5 @@ def test_a_request_that_is_not_complete_within_10_seconds_is_not_waited_for(serv
         except OSError:
             closed_after = time.monotonic() - begun
     assert closed_after is not None
-    assert 9 < closed_after < 10 + 3 * patience()
+    assert 9 < closed_after < 13
     assert silent.recv(1) == b""

@@ -186,6 +186,7 @@ def test_connections_are_bounded(arena: Arena) -> None:
         robot.turn_wheels(0.1, 0.1)
 
 
+@pytest.mark.slow
 def test_who_says_nothing_is_disconnected(arena: Arena) -> None:
     with Hardware(arena, None) as silent:
         silent.wait_longer(10)

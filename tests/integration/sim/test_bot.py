@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import requests
 
-from tests.support.battle import Battle
+from tests.support.demo import Demo
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -17,14 +17,14 @@ from tests.support.programs import Program
 StartBot = Callable[..., Program]
 
 
-@pytest.fixture(scope="module")
-def battle() -> Iterator[Battle]:
-    with Battle(robots=3, bots=0, LASERBOT_COUNTDOWN="2") as battle:
-        yield battle
+@pytest.fixture
+def battle(demo: Demo) -> Demo:
+    demo.play_by(countdown=1)
+    return demo
 
 
 @pytest.fixture
-def start_bot(battle: Battle) -> Iterator[StartBot]:
+def start_bot(battle: Demo) -> Iterator[StartBot]:
     """Starts a bot; every bot of a test has ended, and left no user behind, when the test ends."""
     bots = []
 
@@ -41,7 +41,7 @@ def start_bot(battle: Battle) -> Iterator[StartBot]:
     until(lambda: not users(battle), 5, "bots signed out")
 
 
-def environment(battle: Battle) -> dict[str, str]:
+def environment(battle: Demo) -> dict[str, str]:
     return {
         "LASERBOT_WEB_PORT": str(battle.web_port),
         "LASERBOT_ROSBRIDGE_PORT": str(battle.rosbridge_port),
@@ -49,7 +49,7 @@ def environment(battle: Battle) -> dict[str, str]:
     }
 
 
-def users(battle: Battle) -> dict[str, dict[str, Any]]:
+def users(battle: Demo) -> dict[str, dict[str, Any]]:
     """The signed-in users by name; none while the server is away."""
     try:
         reply = json.loads(requests.post(f"{battle.web}/updateGameStatus", data={"data": "data"}, timeout=5).text)
@@ -58,12 +58,12 @@ def users(battle: Battle) -> dict[str, dict[str, Any]]:
     return {user["name"]: user for user in json.loads(reply["users"])}
 
 
-def is_ready(battle: Battle, name: str) -> bool:
+def is_ready(battle: Demo, name: str) -> bool:
     user = users(battle).get(name)
     return bool(user and user["ready"])
 
 
-def test_it_hunts_a_ready_human_and_hits(battle: Battle, start_bot: StartBot) -> None:
+def test_it_hunts_a_ready_human_and_hits(battle: Demo, start_bot: StartBot) -> None:
     start_bot()
     until(lambda: "Bot1" in users(battle), 15)
     with Player(battle, "Ann") as ann:
@@ -75,7 +75,7 @@ def test_it_hunts_a_ready_human_and_hits(battle: Battle, start_bot: StartBot) ->
         assert users(battle)["Bot1"]["life"] == 100
 
 
-def test_it_takes_ready_back_with_the_human(battle: Battle, start_bot: StartBot) -> None:
+def test_it_takes_ready_back_with_the_human(battle: Demo, start_bot: StartBot) -> None:
     start_bot()
     until(lambda: "Bot1" in users(battle), 15)
     with Player(battle, "Ann") as ann:
@@ -85,26 +85,15 @@ def test_it_takes_ready_back_with_the_human(battle: Battle, start_bot: StartBot)
         until(lambda: not is_ready(battle, "Bot1"), 5, "the bot is not ready")
 
 
-def test_bots_alone_do_not_play(battle: Battle, start_bot: StartBot) -> None:
-    start_bot()
-    until(lambda: "Bot1" in users(battle), 15)
-    start_bot().wait_for("signed up as Bot2")
-    with Player(battle, "Ann") as ann:
-        ann.ready(1)
-        until(lambda: is_ready(battle, "Bot1") and is_ready(battle, "Bot2"), 5, "both bots are ready")
-        ann.ready(0)
-        until(lambda: not is_ready(battle, "Bot1") and not is_ready(battle, "Bot2"), 5, "neither bot is ready")
-
-
-def test_it_waits_for_a_robot(battle: Battle, start_bot: StartBot) -> None:
-    with Player(battle, "Ann"), Player(battle, "Ben"):
+def test_it_waits_for_a_robot(battle: Demo, start_bot: StartBot) -> None:
+    with Player(battle, "Ann"):
         with Player(battle, "Cid"):
             bot = start_bot()
             bot.wait_for("no robot is free; waiting")
         bot.wait_for("signed up as Bot1")
 
 
-def test_it_comes_back_after_a_restart_of_the_server_and_of_rosbridge(battle: Battle, start_bot: StartBot) -> None:
+def test_it_comes_back_after_a_restart_of_the_server_and_of_rosbridge(battle: Demo, start_bot: StartBot) -> None:
     bot = start_bot()
     bot.wait_for("connected to rosbridge")
     battle.kill("server.rosbridge")
@@ -119,7 +108,7 @@ def test_it_comes_back_after_a_restart_of_the_server_and_of_rosbridge(battle: Ba
 
 
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_makes_it_sign_out(battle: Battle, start_bot: StartBot, signum: signal.Signals) -> None:
+def test_a_signal_makes_it_sign_out(battle: Demo, start_bot: StartBot, signum: signal.Signals) -> None:
     bot = start_bot("--name", "Bot7")
     until(lambda: "Bot7" in users(battle), 15)
     assert bot.stop(signum) == 0

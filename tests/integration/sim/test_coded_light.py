@@ -106,6 +106,7 @@ def test_a_shot_is_a_hit_that_says_whose(fighters: Start) -> None:
     assert target.host.count(RESPONSE_ID) == 0
 
 
+@pytest.mark.slow
 def test_a_hit_is_on_the_serial_line_soon_after_the_packet(fighters: Start) -> None:
     _, one, _, target = fighters()
     one.shoot()
@@ -130,7 +131,9 @@ def test_two_shooters_at_once_are_never_mistaken_for_a_third(fighters: Start) ->
     assert target.hits()[-1] == (0, TEAM, DAMAGE)
 
 
-@pytest.mark.parametrize("source", ["--lamp", "--sun", "--remote"])
+@pytest.mark.parametrize(
+    "source", ["--lamp", *(pytest.param(source, marks=pytest.mark.slow) for source in ("--sun", "--remote"))]
+)
 def test_other_light_is_no_hit_and_a_shot_counts_in_it(fighters: Start, source: str) -> None:
     _, one, _, target = fighters(source)
     target.robot.let_pass(2)
@@ -145,6 +148,7 @@ def test_other_light_is_no_hit_and_a_shot_counts_in_it(fighters: Start, source: 
     assert target.host.count(RESPONSE_ID) == 0
 
 
+@pytest.mark.slow
 def test_a_bare_phototransistor_in_other_light_is_not_fooled(fighters: Start) -> None:
     _, one, _, target = fighters("--lamp", "--remote", receiver="plain")
     target.robot.let_pass(3)
@@ -153,6 +157,7 @@ def test_a_bare_phototransistor_in_other_light_is_not_fooled(fighters: Start) ->
     assert target.host.count(RESPONSE_ID) == 0
 
 
+@pytest.mark.slow
 def test_plain_mode_is_not_fooled_either(fighters: Start) -> None:
     _, one, _, target = fighters("--lamp", "--remote", receiver="plain", mode=PLAIN)
     target.robot.let_pass(3)
@@ -162,6 +167,7 @@ def test_plain_mode_is_not_fooled_either(fighters: Start) -> None:
     assert target.hits() == []
 
 
+@pytest.mark.slow
 def test_the_board_tells_its_supply_and_that_it_has_no_battery(fighters: Start) -> None:
     _, one, _, _ = fighters()
     until(lambda: len(one.boards()) >= 3, 5, "some seconds")

@@ -64,6 +64,7 @@ def test_the_relay_understands_the_stream(arena: Arena) -> None:
     assert before - 1 < stamps[-1] < time.time()
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("robot")
 def test_there_are_so_many_pictures_a_second(arena: Arena) -> None:
     with looking(arena) as stream:
@@ -167,6 +168,7 @@ def test_a_robot_that_leaves_ends_its_streams_and_no_others(arena: Arena, robot:
     assert get(arena, "eyes/virtual1/snapshot").status_code == 404
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("robot")
 def test_one_more_than_the_most_is_turned_away_and_room_is_made_by_leaving(arena: Arena) -> None:
     with contextlib.ExitStack() as stack:
@@ -179,6 +181,7 @@ def test_one_more_than_the_most_is_turned_away_and_room_is_made_by_leaving(arena
         until(lambda: get(arena, "eyes/virtual1/snapshot").status_code == 200, what="room")
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("robot")
 def test_a_slow_reader_skips_pictures_and_delays_nobody(arena: Arena) -> None:
     with looking(arena, room=4096) as slow, looking(arena) as quick:
@@ -213,6 +216,7 @@ def test_a_killed_painter_comes_back_and_the_stream_goes_on(arena: Arena) -> Non
     assert "started again: it has ended" in arena.program.output
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("robot")
 def test_a_stuck_painter_is_replaced(arena: Arena) -> None:
     with looking(arena) as stream:
@@ -241,6 +245,7 @@ def test_the_painter_ends_with_the_arena(new_arena: Callable[..., Arena], signum
     assert "Traceback" not in arena.program.output
 
 
+@pytest.mark.slow
 def test_with_a_time_code_a_picture_tells_when_it_was_taken(new_arena: Callable[..., Arena]) -> None:
     arena = new_arena("--timecode")
     with Hardware(arena, "virtual1") as robot:

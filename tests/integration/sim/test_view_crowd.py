@@ -37,6 +37,7 @@ async def leave(viewers: list[ClientConnection]) -> None:
     await asyncio.gather(*(viewer.close() for viewer in viewers))
 
 
+@pytest.mark.slow  # the time is real
 def test_in_a_crowd_who_drives_sees_more_than_who_watches(arena: Arena) -> None:
     async def scene() -> tuple[int, int, int]:
         viewers = await come(arena, CROWD + 10)
@@ -55,6 +56,7 @@ def test_in_a_crowd_who_drives_sees_more_than_who_watches(arena: Arena) -> None:
     assert watching > 0.2 * driving
 
 
+@pytest.mark.slow
 def test_one_more_than_the_most_is_turned_away_and_room_is_made_by_leaving(arena: Arena) -> None:
     async def scene() -> None:
         viewers = await come(arena, MAX_VIEWERS)

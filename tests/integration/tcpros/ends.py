@@ -18,7 +18,7 @@ from server.tcpros.blocks import Blocks
 from server.tcpros.header import LENGTH, decode, encode
 from server.tcpros.node import Node
 from server.tcpros.specs import TypeSpec
-from tests.support.polling import patience, until
+from tests.support.polling import LATEST, Patience, until
 from tests.support.programs import ROOT
 
 T = TypeVar("T")
@@ -39,10 +39,9 @@ def value(data: bytes) -> str:
 
 async def eventually(condition: Callable[[], T], what: str = "", seconds: float = 10.0) -> T:
     """`until` for the event loop."""
-    loop = asyncio.get_running_loop()
-    deadline = loop.time() + seconds * patience()
+    patience = Patience(seconds)
     while not (found := condition()):
-        assert loop.time() < deadline, what or condition
+        assert not patience.is_over, what or condition
         await asyncio.sleep(0.01)
     return found
 
@@ -50,7 +49,7 @@ async def eventually(condition: Callable[[], T], what: str = "", seconds: float 
 async def registered(node: Node, kind: int, name: str, there: bool = True, by: str = "") -> None:
     """Wait until the master knows it, or no longer does. `kind`: 0 publishers, 1 subscribers, 2 services; `by` whom, if
     not by the node itself."""
-    async with asyncio.timeout(10 * patience()):
+    async with asyncio.timeout(LATEST):
         while ([name, [by or node.name]] in (await node.master("getSystemState"))[kind]) is not there:
             await asyncio.sleep(0.01)
 
@@ -97,7 +96,7 @@ class RospyPeer:
         assert self._process.stdin
         self._process.stdin.close()
         try:
-            self._process.wait(10 * patience())
+            self._process.wait(LATEST)
         except subprocess.TimeoutExpired:
             self._process.kill()
         self._end()
@@ -145,7 +144,7 @@ class RawPeer:
 
     async def hear_header(self) -> dict[str, str]:
         loop = asyncio.get_running_loop()
-        async with asyncio.timeout(10 * patience()):
+        async with asyncio.timeout(LATEST):
             (length,) = LENGTH.unpack(await loop.sock_recv(self._socket, 4))
             block = b""
             while len(block) < length:
@@ -155,7 +154,7 @@ class RawPeer:
     async def hear(self) -> list[bytes]:
         """At least one more message."""
         loop = asyncio.get_running_loop()
-        async with asyncio.timeout(10 * patience()):
+        async with asyncio.timeout(LATEST):
             while True:
                 data = await loop.sock_recv(self._socket, 2**16)
                 assert data, "the node ended the connection"
@@ -171,7 +170,7 @@ class RawPeer:
     async def ended(self) -> bool:
         """Wait for the node to end the connection."""
         loop = asyncio.get_running_loop()
-        async with asyncio.timeout(10 * patience()):
+        async with asyncio.timeout(LATEST):
             try:
                 while await loop.sock_recv(self._socket, 2**16):
                     pass

@@ -67,6 +67,7 @@ def memory_of(peer: RospyPeer) -> int:
     return int(psutil.Process(peer.pid).memory_info().rss)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("program", ["the ROS master", "a node"])
 def test_stalled_calls_hold_no_thread_and_nobody_up(program: str, ros_master: RosMaster, guarded: RospyPeer) -> None:
     pid, where = guarded.pid, slave(ros_master, "/guarded")
@@ -81,6 +82,7 @@ def test_stalled_calls_hold_no_thread_and_nobody_up(program: str, ros_master: Ro
         until(lambda: threads_of(pid) <= before + 2, 15, "the threads are free again")
 
 
+@pytest.mark.slow
 def test_a_crowd_has_a_limit(ros_master: RosMaster) -> None:
     before = threads_of(ros_master.pid)
     with contextlib.ExitStack() as stack:

@@ -2,7 +2,6 @@
 
 import gc
 import sqlite3
-import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
@@ -222,9 +221,8 @@ def test_a_folder_that_cannot_be_made_does_not_stop_the_game(opened_file, tmp_pa
 def test_a_database_that_another_program_holds_is_waited_for(opened, url, match):
     database, _ = opened()
     with taken(url):
-        begin = time.monotonic()
         record(database, match)
-        assert time.monotonic() - begin < 0.1, "nobody waits for it"
+        assert not database.problem, "nobody waits for it"
         until(lambda: database.problem, 15)
     wait_until_written(database)
     assert len(rows(url, "robots")) == 4
@@ -293,11 +291,10 @@ def test_nothing_is_lost_or_doubled_by_a_server_that_was_away(
     }[fault]
     away()
     try:
-        begin = time.monotonic()
         for _ in range(4):
             match.hit("bob")
             record(database, match)
-        assert time.monotonic() - begin < 0.1, "nobody waits for it"
+        assert not database.problem, "nobody waits for it"
         until(lambda: database.problem, 15, "it says why")
     finally:
         back()

@@ -4,7 +4,7 @@ import os
 import subprocess
 import sys
 
-from tests.support.polling import patience
+from tests.support.polling import LATEST
 from tests.support.ports import free_port
 
 # the signal comes at the worst moment: while the main thread holds the lock of what the signal is to set
@@ -28,5 +28,5 @@ sys.exit(node.run(lambda listener: None))
 def test_a_signal_at_any_moment_ends_it() -> None:
     command = [sys.executable, "-c", PROGRAM, str(free_port())]
     env = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    done = subprocess.run(command, check=False, timeout=20 * patience(), capture_output=True, text=True, env=env)
+    done = subprocess.run(command, check=False, timeout=LATEST, capture_output=True, text=True, env=env)
     assert done.returncode == 0, done.stderr

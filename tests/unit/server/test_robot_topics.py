@@ -25,7 +25,7 @@ class Endpoint:
         self.impl = None
 
 
-class Listener(rospy.Subscriber):  # type: ignore[misc]  # rospy is not typed
+class Listener(rospy.Subscriber):
     """Needs no ROS master."""
 
     def __init__(self, name: str, publishers: int = 0) -> None:

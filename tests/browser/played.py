@@ -1,0 +1,63 @@
+"""A server on which two battles have been played, seen from above: battle 1 until Bob left, battle 2 until he was shot
+down. Jörg has won both."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import requests
+
+from tests.integration.server.conftest import GameServer
+from tests.support.polling import until
+from tests.support.ros import RosMaster
+
+SEEN = 4  # s of the first battle
+
+
+class Played:
+    """Its pages, and the folder of its database."""
+
+    def __init__(self, url: str, data: Path) -> None:
+        self.url, self.data = url, data
+
+
+@contextmanager
+def played_server(folder: Path) -> Iterator[Played]:
+    master = RosMaster(folder / "ros")
+    master.start()
+    data = folder / "data"
+    server = GameServer(master, data, (), LASERBOT_COUNTDOWN="1", LASERBOT_HIT_DAMAGE="40")
+    try:
+        server.wait_until_serving()
+        play(server)
+        yield Played(server.url, data)
+    finally:
+        server.end()
+        master.stop()
+
+
+def has_left(seconds: float, status: dict[str, Any]) -> bool:
+    return bool(status["time_left"] <= seconds)
+
+
+def play(server: GameServer) -> None:
+    server.peer("positions")
+    robots = {name: server.robot(f"robot{place}") for place, name in enumerate(("Jörg", "Bob"))}
+    listener = server.listener()
+    for seconds, lives in ((SEEN, (60, 20)), (0, (60, 20, 0))):
+        pages = {name: server.player(name) for name in robots}
+        for page in pages.values():
+            page.ready()
+        listener.wait_for(lambda status: status["game"] == 2)
+        listener.wait_for(partial(has_left, 300 - seconds))
+        for life in lives:
+            robots["Bob"].hit()
+            listener.wait_for_life("Bob", life)
+        for name, page in reversed(pages.items()):  # Bob leaves, and Jörg has won
+            page.post("signOutUser", data=name)
+            page.close()
+        listener.wait_for(lambda status: status["game"] == 0 and not status["users"])
+    with requests.Session() as http:
+        until(lambda: http.get(f"{server.url}/results.json").json()["battles"][0]["seconds"] is not None, 5)
