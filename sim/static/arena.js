@@ -5,13 +5,17 @@ import { Embedding } from "./embedding.js";
 import { Feed } from "./feed.js";
 import { Game } from "./game.js";
 import { Governor } from "./governor.js";
+import { Loop } from "./loop.js";
 import { Motion } from "./motion.js";
+import { MOTION, REST } from "./pace.js";
+import { hasGpu } from "./rendering.js";
 import { rows, showRows } from "./roster.js";
 import { Scene } from "./scene.js";
 import { languageOf, wordsOf } from "./words.js";
 
 const byId = (id) => document.getElementById(id);
-const SETTLING = 3; // s that a picture moves on when nothing new happens: tracks fade, sparks fly
+const SETTLING = 0.5; // s after the last news until the picture, which is a bit behind, shows it
+const BY_SOFTWARE = 30; // pictures a second where the computer's processor draws, which the page and the robots need, too
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 const isEmbedded = new URLSearchParams(location.search).has("embedded") && window.parent !== window;
 const scheme = location.protocol === "https:" ? "wss:" : "ws:";
@@ -29,13 +33,16 @@ const governor = new Governor();
 const cast = new Cast(words);
 const feed = new Feed(`${scheme}//${location.host}${location.pathname}view`, receive, showConnection);
 const embedding = new Embedding(takePlayers, report);
+const loop = new Loop(picture);
+const most = hasGpu() ? MOTION : BY_SOFTWARE; // pictures a second
 
 let robots = []; // of the newest state
 let state = "connecting";
 let told = ""; // the robots of the newest state, as text
 let toldPlayers = ""; // who plays, as text
-let movedAt = 0; // s; when something new was last seen
-let pictures = 0; // that the screen has had time for since the last report
+let shown = ""; // the words on the page, as text
+let newsAt = 0; // s; when something new was last heard of
+let pictures = 0; // drawn since the last report
 let reportedAt = performance.now();
 
 function showConnection(news) {
@@ -51,14 +58,14 @@ function receive(message) {
     document.body.style.setProperty("--floor-ratio", `${message.width} / ${message.height}`);
     scene.build(message);
     motion.clear();
-    movedAt = seconds();
+    wake();
   } else if (message.type === "state") {
     motion.add(message, seconds());
     robots = message.robots;
     const news = JSON.stringify(robots);
     if (news === told) return;
     told = news;
-    movedAt = seconds();
+    wake();
     showWords();
   }
 }
@@ -70,17 +77,22 @@ function takePlayers(players) {
   const news = JSON.stringify(players);
   if (news === toldPlayers) return;
   toldPlayers = news;
-  movedAt = seconds();
+  scene.renew();
+  wake();
   showWords();
 }
 
+/** The words of the page; states come 25 times a second, and seldom change one. */
 function showWords() {
-  byId("empty").hidden = robots.length > 0;
-  byId("empty").textContent = cast.words.empty;
   const list = rows(robots, cast, words);
+  const news = JSON.stringify([list, cast.words.empty]);
+  if (news === shown) return;
+  shown = news;
+  byId("empty").hidden = list.length > 0;
+  byId("empty").textContent = cast.words.empty;
   if (!isEmbedded) showRows(byId("robots"), list);
   const label = [words.picture, ...list.map(({ name, state: life }) => `${name} ${life}`.trim())].join(", ");
-  if (byId("floor").getAttribute("aria-label") !== label) byId("floor").setAttribute("aria-label", label);
+  byId("floor").setAttribute("aria-label", label);
 }
 
 function report() {
@@ -90,14 +102,20 @@ function report() {
   return { state, fps, effects: governor.level };
 }
 
-function frame(now) {
-  governor.picture(now);
-  pictures += 1;
-  requestAnimationFrame(frame);
+function wake() {
+  newsAt = seconds();
+  loop.wake();
+}
+
+/** The screen is ready for a picture at `now` (ms). @returns {number|null} ms until the next, null before there is news */
+function picture(now, interval) {
+  governor.picture(now, interval);
   const { effects } = governor;
-  const isMoving = now / 1000 - movedAt < SETTLING || (cast.smokes && effects.smoke > 0 && !calm.matches);
-  if (!isMoving || pictures % effects.every > 0) return;
-  scene.draw(motion.at(now / 1000), cast, effects, calm.matches, now / 1000);
+  const time = now / 1000;
+  const { isDrawn, pace } = scene.show(motion.at(time), cast, effects, calm.matches, time);
+  if (isDrawn) pictures += 1;
+  const wanted = Math.min(most, effects.pictures, time - newsAt < SETTLING ? MOTION : pace);
+  return wanted === REST ? null : 1000 / wanted;
 }
 
 if (isEmbedded) {
@@ -111,6 +129,5 @@ if (isEmbedded) {
 feed.open();
 new ResizeObserver(([{ contentRect }]) => {
   scene.resize(contentRect.width, contentRect.height);
-  movedAt = seconds();
+  wake();
 }).observe(byId("floor").parentElement);
-requestAnimationFrame(frame);

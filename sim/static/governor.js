@@ -2,18 +2,19 @@
 
 /**
  * From all effects to the fewest. `glow` = layers of a beam, `smoke` = puffs over a robot that is out, `sparks` = of a
- * hit, `density` = the most canvas pixels for a CSS pixel, `every` = of how many of the screen's pictures one is drawn.
+ * hit, `density` = the most canvas pixels for a CSS pixel, `pictures` = drawn a second at most.
  */
 export const LEVELS = [
-  { glow: 4, smoke: 8, sparks: 26, tracks: true, density: 2, every: 1 },
-  { glow: 2, smoke: 5, sparks: 12, tracks: true, density: 1.5, every: 1 },
-  { glow: 1, smoke: 3, sparks: 6, tracks: false, density: 1, every: 1 },
-  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, every: 2 },
-  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, every: 4 },
+  { glow: 4, smoke: 8, sparks: 26, tracks: true, density: 2, pictures: 60 },
+  { glow: 2, smoke: 5, sparks: 12, tracks: true, density: 1.5, pictures: 60 },
+  { glow: 1, smoke: 3, sparks: 6, tracks: false, density: 1, pictures: 60 },
+  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, pictures: 30 },
+  { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, pictures: 15 },
 ];
 const REDUCED = 2; // the level of who wants few effects
 
-const SLOW = 20.5; // ms between two pictures, on average; a screen of 50 Hz is not slow
+const SCREEN = 1000 / 60; // ms between two pictures, unless fewer are wanted
+const SLOW = 1.23; // times the wanted ms between two pictures, on average; a screen of 50 Hz is not slow
 const WINDOW = 1000; // ms that are judged together
 const PAUSE = 500; // ms without a picture: a hidden tab, not a slow one
 const PATIENCE = 10_000; // ms in time before one level up is tried
@@ -24,7 +25,7 @@ export class Governor {
   #level = 0;
   #start = null; // of the window
   #last = 0;
-  #pictures = 0;
+  #wanted = 0; // ms that its pictures were to take
   #inTimeSince = null;
   #patience = PATIENCE;
   #tried = false; // the present level is a try
@@ -44,25 +45,25 @@ export class Governor {
     this.#mode = mode;
   }
 
-  /** A picture is drawn at `now` (ms). */
-  picture(now) {
-    if (this.#start === null || now - this.#last > PAUSE) {
+  /** The screen is ready for a picture at `now` (ms), wanted `interval` ms after the last one; null: none was wanted for a while. */
+  picture(now, interval = SCREEN) {
+    if (this.#start === null || interval === null || now - this.#last > PAUSE) {
       this.#begin(now);
       this.#inTimeSince = now;
       return;
     }
     this.#last = now;
-    this.#pictures += 1;
+    this.#wanted += interval;
     if (now - this.#start < WINDOW) return;
-    const mean = (now - this.#start) / this.#pictures;
+    const isSlow = now - this.#start > SLOW * this.#wanted;
     this.#begin(now);
-    if (mean > SLOW) this.#lower(now);
+    if (isSlow) this.#lower(now);
     else if (this.#level > 0 && now - this.#inTimeSince >= this.#patience) this.#raise(now);
   }
 
   #begin(now) {
     this.#start = this.#last = now;
-    this.#pictures = 0;
+    this.#wanted = 0;
   }
 
   #lower(now) {

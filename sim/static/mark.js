@@ -4,13 +4,16 @@ const WAVES = 3.2; // s that they run
 const WAVE = 0.8; // s of one
 const FAR = 0.45; // m from where a wave comes
 
+/** Whether waves run `since` s after the battle has begun. */
+export const isCalling = (since) => since >= 0 && since < WAVES;
+
 /**
  * Draw around the robot's centre; the context is in metres, y up.
  * @param {number} since s since the battle has begun
  * @param {boolean} still nothing moves
  */
 export function drawMark(context, { x, y }, radius, colour, since, still) {
-  const begins = since >= 0 && since < WAVES;
+  const begins = isCalling(since);
   ring(context, x, y, radius * 1.3, begins ? 0.016 : 0.009, "#ffffff", 1);
   ring(context, x, y, radius * 1.3, 0.03, colour, 0.45);
   if (!begins) return;

@@ -32,6 +32,11 @@ export class Memory {
     return robot.lit ? 1 : Math.max(0, 1 - (now - this.of(robot).hitAt) / FLASH_SECONDS);
   }
 
+  /** Whether there are tracks that fade. */
+  get hasTracks() {
+    return [...this.#robots.values()].some(({ track }) => track.length > 1);
+  }
+
   #take(robot, now) {
     const { x, y, heading, hits } = robot;
     const old = this.of(robot) ?? { x, y, heading, hits, hitAt: -Infinity, wheels: [0, 0], track: [] };

@@ -2,10 +2,11 @@
 
 import { colourOf, OUT } from "./colours.js";
 import { drawBeam } from "./beams.js";
-import { drawMark } from "./mark.js";
+import { drawMark, isCalling } from "./mark.js";
 import { drawSmoke } from "./smoke.js";
 import { drawTrack } from "./tracks.js";
 import { EMITTER, Memory } from "./memory.js";
+import { DRIFT, isDue, isOther, MOTION, REST } from "./pace.js";
 import { paintFloor } from "./floor.js";
 import { Sparks } from "./sparks.js";
 import { Sprites } from "./sprites.js";
@@ -29,6 +30,10 @@ export class Scene {
   #room = { width: 0, height: 0 }; // CSS px
   #density = 0; // canvas pixels for a CSS px
   #scale = 0; // canvas pixels for a metre
+  #drawn = null; // the robots on the canvas; null: something else has changed
+  #effects = null; // of the last picture
+  #drawnAt = -Infinity; // s
+  #pace = REST; // of the last look
 
   constructor(canvas) {
     this.#canvas = canvas;
@@ -40,12 +45,19 @@ export class Scene {
     this.#arena = arena;
     this.#memory.clear();
     this.#density = 0;
+    this.#drawn = null;
   }
 
   /** Fit the floor into so much room (CSS px). */
   resize(width, height) {
     this.#room = { width, height };
     this.#density = 0;
+    this.#drawn = null;
+  }
+
+  /** Something else than the robots' places has changed: the next picture is drawn in any case. */
+  renew() {
+    this.#drawn = null;
   }
 
   /** Get the canvas ready for so many pixels for a CSS px; the size in CSS px stays. */
@@ -80,15 +92,39 @@ export class Scene {
   }
 
   /**
-   * Draw one picture.
+   * Draw a picture if it would be another one than that on the canvas.
    * @param {object[]} robots poses of the view
    * @param {import("./cast.js").Cast} cast who plays them
    * @param {{glow: number, smoke: number, sparks: number, tracks: boolean, density: number}} effects
    * @param {boolean} still whoever looks wants no motion that means nothing
    * @param {number} now s
+   * @returns {{isDrawn: boolean, pace: number}} `pace`: pictures a second that are worth drawing while no robot moves
    */
-  draw(robots, cast, effects, still, now) {
-    if (!this.#arena || !this.#room.width || !this.#room.height) return;
+  show(robots, cast, effects, still, now) {
+    if (!this.#arena || !this.#room.width || !this.#room.height) return { isDrawn: false, pace: REST };
+    const pace = this.#paceOf(cast, effects, still, now);
+    const isOver = pace === REST && this.#pace !== REST; // the picture after the last one of an effect is that without it
+    const isDrawn = isOver || isDue(pace, now - this.#drawnAt) || this.#isNews(robots, effects);
+    if (isDrawn) this.#draw(robots, cast, effects, still, now);
+    this.#pace = isDrawn ? this.#paceOf(cast, effects, still, now) : pace; // a hit may have been drawn
+    return { isDrawn, pace: this.#pace };
+  }
+
+  /** What goes on by itself. */
+  #paceOf(cast, effects, still, now) {
+    const isLit = this.#drawn?.some((robot) => this.#memory.flash(robot, now) > 0 && !(robot.lit && still));
+    const isCalled = cast.drives && isCalling(cast.sinceStart(now));
+    if (isLit || isCalled || this.#sparks.isFlying(now) || this.#tags.isUnfinished) return MOTION;
+    const drifts = (cast.smokes && effects.smoke > 0 && !still) || (effects.tracks && this.#memory.hasTracks);
+    return drifts ? DRIFT : REST;
+  }
+
+  #isNews(robots, effects) {
+    return !this.#drawn || effects !== this.#effects || isOther(this.#drawn, robots, this.#arena, this.#scale);
+  }
+
+  #draw(robots, cast, effects, still, now) {
+    [this.#drawn, this.#effects, this.#drawnAt] = [robots, effects, now];
     this.#prepare(Math.min(window.devicePixelRatio || 1, effects.density));
     const context = this.#context;
     context.setTransform(1, 0, 0, 1, 0, 0);
@@ -108,7 +144,7 @@ export class Scene {
       const place = { ...each.pixels, scale: this.#scale };
       drawSmoke(context, this.#sprites.puff(), place, effects.smoke, still ? 0 : now + (each.robot.id ?? 0));
     }
-    this.#drawTags(context, shown, cast);
+    this.#drawTags(context, shown, cast, now);
   }
 
   #look(robot, cast, now) {
@@ -160,7 +196,7 @@ export class Scene {
     context.globalCompositeOperation = "source-over";
   }
 
-  #drawTags(context, shown, cast) {
+  #drawTags(context, shown, cast, now) {
     const played = shown.filter(({ player }) => player);
     const entries = played.sort((one, other) => one.isMe - other.isMe); // the own one on top
     this.#tags.draw(
@@ -174,6 +210,7 @@ export class Scene {
         radius: this.#arena.robot_radius * this.#scale,
         you: cast.words.you,
       },
+      now,
     );
   }
 }

@@ -3,6 +3,7 @@
 import { write } from "./text.js";
 
 const LIFE = 0.7; // s
+const WORD_LIFE = 1.5 * LIFE;
 
 export class Sparks {
   #sparks = [];
@@ -26,14 +27,19 @@ export class Sparks {
     }
   }
 
+  /** Whether there is anything to draw at `now` (s). */
+  isFlying(now) {
+    return this.#words.some(({ born }) => now - born < WORD_LIFE) || this.#sparks.some(({ born, life }) => now - born < life);
+  }
+
   /** Draw what is left at `now` (s), in metres, y up; `word` rises unless all is to be `still`. */
   draw(context, now, word, still) {
     this.#sparks = this.#sparks.filter(({ born, life }) => now - born < life);
-    this.#words = this.#words.filter(({ born }) => now - born < 1.5 * LIFE);
+    this.#words = this.#words.filter(({ born }) => now - born < WORD_LIFE);
     context.lineCap = "round";
     for (const spark of this.#sparks) drawSpark(context, spark, (now - spark.born) / spark.life);
     for (const { x, y, born } of this.#words) {
-      const part = (now - born) / (1.5 * LIFE);
+      const part = (now - born) / WORD_LIFE;
       context.fillStyle = `rgba(255, 120, 150, ${1 - part * part})`;
       write(context, word, x, y + (still ? 0 : 0.06 * part), 0.05);
     }
