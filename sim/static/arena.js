@@ -41,6 +41,7 @@ let state = "connecting";
 let told = ""; // the robots of the newest state, as text
 let toldPlayers = ""; // who plays, as text
 let shown = ""; // the words on the page, as text
+let scale = 1; // at which the page around shows the picture
 let newsAt = 0; // s; when something new was last heard of
 let pictures = 0; // drawn since the last report
 let reportedAt = performance.now();
@@ -77,6 +78,7 @@ function takePlayers(players) {
   const news = JSON.stringify(players);
   if (news === toldPlayers) return;
   toldPlayers = news;
+  scale = players?.scale ?? 1;
   scene.renew();
   wake();
   showWords();
@@ -114,7 +116,7 @@ function picture(now, interval) {
   const time = now / 1000;
   const { isDrawn, pace } = scene.show(motion.at(time), cast, effects, calm.matches, time);
   if (isDrawn) pictures += 1;
-  const wanted = Math.min(most, effects.pictures, time - newsAt < SETTLING ? MOTION : pace);
+  const wanted = Math.min(most * scale, effects.pictures, time - newsAt < SETTLING ? MOTION : pace);
   return wanted === REST ? null : 1000 / wanted;
 }
 

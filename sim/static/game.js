@@ -15,6 +15,7 @@ export function playersOf(status) {
     me: null,
     phase: PHASES[status.game] ?? "",
     effects: "auto",
+    scale: 1,
     labels: {},
     players: status.users.map(({ name, robot, life, ready }) => ({
       name, robot, life, ready, out: playing && ready && life === 0, avatar: null, colour: null,

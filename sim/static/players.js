@@ -5,11 +5,12 @@ const NAME = 32; // characters
 const ADDRESS = 512;
 const LABELS = { you: 16, hit: 16, empty: 64 };
 const EFFECTS = ["full", "reduced", "auto"];
+const LEAST_SCALE = 0.1;
 const MAX_ROBOT = 127; // the ROS service's int8
 
 /** @typedef {{name: string, robot: number, avatar: string|null, life: number, out: boolean, ready: boolean,
  *   colour: string|null}} Player */
-/** @typedef {{me: string|null, phase: string, effects: string, labels: object, players: Player[]}} Players */
+/** @typedef {{me: string|null, phase: string, effects: string, scale: number, labels: object, players: Player[]}} Players */
 
 /** Whether a page of this origin belongs to the game: the same host name as the arena's, on any port. */
 export function isGame(origin, hostname) {
@@ -33,6 +34,7 @@ export function readPlayers(data, origin) {
     me: isText(data.me, NAME) ? data.me : null,
     phase: typeof data.phase === "string" && /^[a-z]{1,16}$/.test(data.phase) ? data.phase : "",
     effects: EFFECTS.includes(data.effects) ? data.effects : "auto",
+    scale: Number.isFinite(data.scale) ? Math.min(1, Math.max(LEAST_SCALE, data.scale)) : 1,
     labels: readLabels(data.labels),
     players: [...players.values()],
   };

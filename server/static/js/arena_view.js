@@ -19,6 +19,7 @@ export class ArenaView {
   #clock;
   #stop;
   #players = null;
+  #scale = 1;
   #state = "connecting";
   #heard = false; // since the frame has last been loaded
   #heardAt;
@@ -57,6 +58,13 @@ export class ArenaView {
     const isNews = JSON.stringify(players) !== JSON.stringify(this.#players);
     this.#players = players;
     if (isNews) this.#post();
+  }
+
+  /** At how much of its size the page shows the frame, by a transform: motion is slower in a small picture, which is drawn less often. @param {number} scale */
+  set scale(scale) {
+    if (scale === this.#scale) return;
+    this.#scale = scale;
+    this.#post();
   }
 
   /** No more of it. */
@@ -105,7 +113,7 @@ export class ArenaView {
 
   #post() {
     if (!this.#heard || !this.#players) return;
-    this.#frame.contentWindow.postMessage({ type: "laserbot-players", ...this.#players }, this.#origin);
+    this.#frame.contentWindow.postMessage({ type: "laserbot-players", scale: this.#scale, ...this.#players }, this.#origin);
   }
 }
 

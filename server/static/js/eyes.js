@@ -14,6 +14,7 @@ export class Eyes {
   #preferences;
   #sights;
   #camera;
+  #onView;
   #picture = new CameraView({ canvas: byId("camera"), note: byId("camera-note"), age: byId("camera-age") });
 
   /**
@@ -22,10 +23,12 @@ export class Eyes {
    * @param {boolean} wiring.hasArena whether the stage has a picture of the arena, too
    * @param {import("./preferences_store.js").Preferences} wiring.preferences
    * @param {() => Promise<{user: string, ticket: string}|null>} wiring.getTicket for the player of this page
+   * @param {(view: import("./sights.js").View) => void} wiring.onView what the stage shows now
    */
-  constructor({ robot, hasArena, preferences, getTicket }) {
+  constructor({ robot, hasArena, preferences, getTicket, onView }) {
     this.#robot = robot;
     this.#preferences = preferences;
+    this.#onView = onView;
     this.#sights = new Sights(hasArena, preferences.get("view"));
     this.#camera = new Camera({
       url: socketAddress("relay"),
@@ -66,6 +69,7 @@ export class Eyes {
     const { view, canSwitch, rests } = this.#sights;
     this.#camera.watch(rests ? null : this.#robot);
     byId("stage").dataset.view = view;
+    this.#onView(view);
     byId("view").hidden = !canSwitch;
     byId("view").setAttribute("aria-pressed", String(view === "eyes"));
   }

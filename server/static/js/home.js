@@ -32,6 +32,7 @@ import { t } from "./words.js";
 
 const TICK = 500; // ms between two looks at whether a heartbeat is due
 const RETRY = 1000; // ms between two attempts to reach the server at the start
+const CORNER = 0.5; // scale of the arena in the corner, as in css/eyes.css
 const REFUSED = 3000; // ms that a refusal is shown; rosbridge repeats it every second while commands come
 
 const byId = (id) => document.getElementById(id);
@@ -106,6 +107,9 @@ class Game {
       hasArena: arena !== null,
       preferences: this.#preferences,
       getTicket: () => this.#checkSession(),
+      onView: (view) => {
+        if (arena) arena.scale = view === "eyes" ? CORNER : 1;
+      },
     });
     this.#driver = new Driver({
       send: (command) => {

@@ -17,11 +17,12 @@ test("only pages at the arena's own host name belong to the game, on any port, b
 });
 
 test("a message tells who plays, who looks and what the words are", () => {
-  const players = said({ me: "Al", phase: "playing", labels: { you: "TU" }, effects: "reduced" });
+  const players = said({ me: "Al", phase: "playing", labels: { you: "TU" }, effects: "reduced", scale: 0.5 });
   assert.deepEqual(players, {
     me: "Al",
     phase: "playing",
     effects: "reduced",
+    scale: 0.5,
     labels: { you: "TU" },
     players: [{ ...AL, avatar: "http://hall.local:5000/static/a.svg", colour: null }],
   });
@@ -57,6 +58,7 @@ test("players without a name or a robot are left out, wrong values of the others
 test("the other fields are bounded too", () => {
   const odd = said({ me: "x".repeat(33), phase: "Playing!", effects: "all", labels: { you: "x".repeat(17), hit: 5, empty: "Nessuno", evil: "x" } });
   assert.deepEqual([odd.me, odd.phase, odd.effects, odd.labels], [null, "", "auto", { empty: "Nessuno" }]);
+  for (const [scale, read] of [[undefined, 1], ["0.5", 1], [NaN, 1], [-1, 0.1], [0.25, 0.25], [7, 1]]) assert.equal(said({ scale }).scale, read);
   for (const labels of [null, 5, "you", []]) assert.deepEqual(said({ labels }).labels, {});
 });
 

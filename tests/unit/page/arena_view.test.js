@@ -69,7 +69,7 @@ test("who plays is told when the arena first speaks, at each change of either, a
   view.show(NEWS);
   assert.equal(posts.length, 0);
   say("connecting");
-  assert.deepEqual(posts, [[{ type: "laserbot-players", ...NEWS }, ORIGIN]]);
+  assert.deepEqual(posts, [[{ type: "laserbot-players", scale: 1, ...NEWS }, ORIGIN]]);
   say("live");
   assert.equal(posts.length, 2); // it may have begun anew
   pass(20, "live");
@@ -78,6 +78,18 @@ test("who plays is told when the arena first speaks, at each change of either, a
   view.show({ ...NEWS, phase: "stopped" });
   assert.equal(posts.length, 3);
   assert.equal(posts[2][0].phase, "stopped");
+});
+
+test("how large it is shown is told when that changes, with who plays", () => {
+  view.scale = 0.5;
+  assert.equal(posts.length, 0);
+  view.show(NEWS);
+  say("live");
+  assert.equal(posts.at(-1)[0].scale, 0.5);
+  view.scale = 0.5;
+  assert.equal(posts.length, 1);
+  view.scale = 1;
+  assert.deepEqual(posts.at(-1), [{ type: "laserbot-players", scale: 1, ...NEWS }, ORIGIN]);
 });
 
 test("other windows, origins and messages are not the arena", () => {
