@@ -2,6 +2,8 @@
 
 import { SHOT } from "./feel.js";
 
+const STEPS = "steps(10)"; // of a bar that fills during a shot: 20 pictures a second, each of which may redraw the camera's below
+
 const calm = matchMedia("(prefers-reduced-motion: reduce)");
 
 /** The countdown's next number drops in. */
@@ -16,6 +18,9 @@ export function count(number) {
   number.animate(frames, { duration: 1000, easing: "ease-out" });
 }
 
+/** Whether an element is on the page now: an animation of one that is not costs as much, and nobody sees it. */
+const isShown = (element) => element.getClientRects().length > 0;
+
 /** Shows the laser's beam and its charge; a shot lasts as long as the robot's own. */
 export class Laser {
   #beam;
@@ -27,9 +32,9 @@ export class Laser {
 
   /** A shot begins: the bars of the page fill until the next one. */
   fire() {
-    this.#beam.animate([{ opacity: 1 }, { opacity: 1, offset: 0.85 }, { opacity: 0 }], { duration: SHOT });
-    for (const charge of document.querySelectorAll(".charge-fill")) {
-      charge.animate([{ transform: "scaleX(0)" }, { transform: "scaleX(1)" }], { duration: SHOT, easing: "linear" });
+    if (isShown(this.#beam)) this.#beam.animate([{ opacity: 1 }, { opacity: 1, offset: 0.85 }, { opacity: 0 }], { duration: SHOT });
+    for (const charge of [...document.querySelectorAll(".charge-fill")].filter(isShown)) {
+      charge.animate([{ transform: "scaleX(0)" }, { transform: "scaleX(1)" }], { duration: SHOT, easing: STEPS });
     }
   }
 }
