@@ -1,27 +1,33 @@
-"""The game page under a busy stage: pictures/s, key press -> WebSocket, and what it weighs. Run by `make bench`.
+"""The game page: what it weighs, what it costs, and under a busy stage pictures/s and key press -> WebSocket.
 
-Chromium draws in software at 1280x720. Two virtual robots fight, with the page's player in a battle; six more are
-played to the arena over its link, driving in circles with their beams on and off.
+Run by `make bench`. Chromium draws in software at 1280x720. Three virtual robots, one of them a bot's, and the page's
+player in a battle, who drives and shoots. Then five more are played to the arena over its link, driving in circles
+with their beams on and off.
 """
 
 import asyncio
+import itertools
 import math
 import statistics
 import threading
 import time
+from collections.abc import Callable
 
 from playwright.sync_api import Page, ViewportSize, sync_playwright
 
 from tests.browser.conftest import CHROMIUM, FLAGS
+from tests.browser.spending import spending
 from tests.browser.weight import Weight
 from tests.support.battle import Battle
 from tests.support.polling import until
 
-EXTRAS = 6  # robots that only the arena knows
+ROBOTS = 3
+EXTRAS = 5  # robots that only the arena knows
 SECONDS = 10.0  # of each measurement
 PRESSES = 100
 SIZE: ViewportSize = {"width": 1280, "height": 720}
 GOAL = 60  # pictures/s
+BUDGET = 35  # % of a core
 
 # Runs in the page: frames of the page itself, what the arena reports of its own, and when a key's command was sent.
 WATCH = """() => {
@@ -79,7 +85,10 @@ def enter(page: Page) -> None:
 
 
 def main() -> None:
-    with Battle(robots=2, bots=1, LASERBOT_COUNTDOWN="1") as battle, sync_playwright() as playwright:
+    with (
+        Battle(robots=ROBOTS, bots=1, LASERBOT_COUNTDOWN="1", LASERBOT_HIT_DAMAGE="1") as battle,
+        sync_playwright() as playwright,
+    ):
         battle.wait_until_ready()
         browser = playwright.chromium.launch(executable_path=CHROMIUM, headless=True, args=FLAGS)
         page = browser.new_context(viewport=SIZE).new_page()
@@ -89,11 +98,32 @@ def main() -> None:
         page.locator("#username").fill("Ann")
         enter(page)
         print(f"to the first playable picture: {weight.settled() / 1000:.0f} kB (goal 150)")
+        until(lambda: page.locator("#camera").is_visible(), 60, "the camera's picture")
+        print_cost("lobby, camera", lambda: page.wait_for_timeout(SECONDS * 1000))
+        page.locator("#ready-btn").click()
+        until(lambda: page.locator("body").get_attribute("data-phase") == "playing", 60, "the battle")
+        print_cost("battle, camera", lambda: drive(page))
+        page.keyboard.press("v")
+        print_cost("battle, arena", lambda: drive(page))
         with Crowd(battle.ports["LASERBOT_ARENA_LINK_PORT"], EXTRAS):
-            page.locator("#ready-btn").click()
-            until(lambda: page.locator("body").get_attribute("data-phase") == "playing", 60, "the battle")
             measure(page)
         browser.close()
+
+
+def print_cost(what: str, act: Callable[[], object]) -> None:
+    found = sorted(spending(act).items(), key=lambda part: -part[1])
+    parts = ", ".join(f"{kind} {share:.0f}" for kind, share in found if share > 1)
+    print(f"CPU of the page, {what}: {sum(share for _, share in found):.0f} % of a core (goal {BUDGET}): {parts}")
+
+
+def drive(page: Page) -> None:
+    """Forwards, backwards and round, with a shot each second."""
+    for key in itertools.islice(itertools.cycle(("ArrowUp", "ArrowLeft", "ArrowDown", "ArrowRight")), int(SECONDS)):
+        page.keyboard.down(key)
+        page.keyboard.press("Space", delay=400)
+        page.wait_for_timeout(500)
+        page.keyboard.up(key)
+        page.wait_for_timeout(100)
 
 
 def measure(page: Page) -> None:
@@ -106,7 +136,7 @@ def measure(page: Page) -> None:
     seen = page.evaluate("() => seen")
     frames = seen["frames"]
     rate = 1000 * (len(frames) - 1) / (frames[-1] - frames[0])
-    print(f"the page with {2 + EXTRAS} robots: {rate:.0f} pictures/s (goal {GOAL})")
+    print(f"the page with {ROBOTS + EXTRAS} robots: {rate:.0f} pictures/s (goal {GOAL})")
     rates = [report["fps"] for report in seen["reports"] if report.get("fps")]
     effects = {report.get("effects") for report in seen["reports"]}
     if rates:
