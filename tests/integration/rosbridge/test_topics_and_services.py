@@ -196,6 +196,7 @@ def test_a_failed_service_call_says_why(ros: RosSide, client: Connect, service: 
     assert answer == {"op": "service_response", "service": service, "result": False, "id": 9}
 
 
+@pytest.mark.slow
 def test_a_slow_service_is_waited_for_no_longer_than_asked_and_blocks_nobody(ros: RosSide, client: Connect) -> None:
     operator = client().operate()
     for number in range(100):
