@@ -33,7 +33,7 @@ const governor = new Governor();
 const cast = new Cast(words);
 const feed = new Feed(`${scheme}//${location.host}${location.pathname}view`, receive, showConnection);
 const embedding = new Embedding(takePlayers, report);
-const loop = new Loop(picture);
+const loop = new Loop({ look, draw });
 const most = hasGpu() ? MOTION : BY_SOFTWARE; // pictures a second
 
 let robots = []; // of the newest state
@@ -109,9 +109,13 @@ function wake() {
   loop.wake();
 }
 
-/** The screen is ready for a picture at `now` (ms). @returns {number|null} ms until the next, null before there is news */
-function picture(now, interval) {
-  governor.picture(now, interval);
+function look(now, isFirst) {
+  if (isFirst) governor.rest();
+  governor.picture(now);
+}
+
+/** A picture is due at `now` (ms). @returns {number|null} ms until the next, null before there is news */
+function draw(now) {
   const { effects } = governor;
   const time = now / 1000;
   const { isDrawn, pace } = scene.show(motion.at(time), cast, effects, calm.matches, time);

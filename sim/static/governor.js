@@ -13,8 +13,7 @@ export const LEVELS = [
 ];
 const REDUCED = 2; // the level of who wants few effects
 
-const SCREEN = 1000 / 60; // ms between two pictures, unless fewer are wanted
-const SLOW = 1.23; // times the wanted ms between two pictures, on average; a screen of 50 Hz is not slow
+const SLOW = 20.5; // ms between two pictures, on average; a screen of 50 Hz is not slow
 const WINDOW = 1000; // ms that are judged together
 const PAUSE = 500; // ms without a picture: a hidden tab, not a slow one
 const PATIENCE = 10_000; // ms in time before one level up is tried
@@ -25,7 +24,7 @@ export class Governor {
   #level = 0;
   #start = null; // of the window
   #last = 0;
-  #wanted = 0; // ms that its pictures were to take
+  #pictures = 0;
   #inTimeSince = null;
   #patience = PATIENCE;
   #tried = false; // the present level is a try
@@ -45,25 +44,30 @@ export class Governor {
     this.#mode = mode;
   }
 
-  /** The screen is ready for a picture at `now` (ms), wanted `interval` ms after the last one; null: none was wanted for a while. */
-  picture(now, interval = SCREEN) {
-    if (this.#start === null || interval === null || now - this.#last > PAUSE) {
+  /** The screen is asked for nothing for a while: that it shows nothing is not slow. */
+  rest() {
+    this.#start = null;
+  }
+
+  /** The screen is ready for a picture at `now` (ms). It is asked for each, drawn or not, as long as something moves. */
+  picture(now) {
+    if (this.#start === null || now - this.#last > PAUSE) {
       this.#begin(now);
       this.#inTimeSince = now;
       return;
     }
     this.#last = now;
-    this.#wanted += interval;
+    this.#pictures += 1;
     if (now - this.#start < WINDOW) return;
-    const isSlow = now - this.#start > SLOW * this.#wanted;
+    const mean = (now - this.#start) / this.#pictures;
     this.#begin(now);
-    if (isSlow) this.#lower(now);
+    if (mean > SLOW) this.#lower(now);
     else if (this.#level > 0 && now - this.#inTimeSince >= this.#patience) this.#raise(now);
   }
 
   #begin(now) {
     this.#start = this.#last = now;
-    this.#wanted = 0;
+    this.#pictures = 0;
   }
 
   #lower(now) {

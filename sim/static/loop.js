@@ -1,52 +1,46 @@
 // One picture after the other, as long as they are wanted.
 
-import { isSoon, waitFor } from "./pace.js";
+const SOON = 1000 / 120; // ms, half a picture of a screen: as much earlier than it is due a picture may come
 
-const browser = {
-  nextPicture: (act) => requestAnimationFrame(act),
-  later: (ms, act) => setTimeout(act, ms),
-  now: () => performance.now(),
-};
-
-/** Asks the screen for pictures, no more of them than are wanted, and for none at all while it sleeps. */
+/** Looks at each picture of the screen whether one is to be drawn; while nothing moves, it sleeps and the screen has nothing to do. */
 export class Loop {
-  #picture;
-  #world;
+  #look;
+  #draw;
+  #nextPicture;
   #isAwake = false;
+  #due = -Infinity; // ms
 
   /**
-   * @param {(now: number, interval: number|null) => number|null} picture is called when the screen is ready for one, at `now`
-   *   (ms), `interval` after the one before (null: the first after a sleep), and returns the ms until the next; null: none
+   * @param {object} wiring
+   * @param {(now: number, isFirst: boolean) => void} wiring.look is called at each picture of the screen, at `now` (ms);
+   *   `isFirst` after a sleep
+   * @param {(now: number) => number|null} wiring.draw is called when a picture is due; returns the ms until the next, null: none
    *   before wake()
-   * @param {object} world the screen and timers; tests have their own
+   * @param {(act: (now: number) => void) => void} [wiring.nextPicture] calls `act` when the screen is ready
    */
-  constructor(picture, world = browser) {
-    this.#picture = picture;
-    this.#world = world;
+  constructor({ look, draw, nextPicture = (act) => requestAnimationFrame(act) }) {
+    this.#look = look;
+    this.#draw = draw;
+    this.#nextPicture = nextPicture;
   }
 
   /** There is something to be drawn. */
   wake() {
     if (this.#isAwake) return;
     this.#isAwake = true;
-    this.#ask(0, null);
+    this.#nextPicture((now) => this.#take(now, true));
   }
 
-  /** The picture that comes `interval` ms after that of `last` (ms). */
-  #ask(last, interval) {
-    const wait = interval === null ? 0 : last + waitFor(interval) - this.#world.now(); // drawing takes its time, too
-    const take = (now) => {
-      if (interval !== null && isSoon(now - last, interval)) ask();
-      else this.#take(now, interval);
-    };
-    const ask = () => this.#world.nextPicture(take);
-    if (wait > 0) this.#world.later(wait, ask);
-    else ask();
+  #take(now, isFirst) {
+    this.#look(now, isFirst);
+    if (isFirst || now >= this.#due - SOON) this.#show(now, isFirst);
+    if (this.#isAwake) this.#nextPicture((next) => this.#take(next, false));
   }
 
-  #take(now, interval) {
-    const next = this.#picture(now, interval);
-    this.#isAwake = next !== null;
-    if (this.#isAwake) this.#ask(now, next);
+  #show(now, isFirst) {
+    const interval = this.#draw(now);
+    this.#isAwake = interval !== null;
+    // what comes late is followed the sooner, so that there are as many as are wanted; a longer delay is not made up for
+    this.#due = isFirst ? now + interval : Math.max(now, this.#due + interval);
   }
 }

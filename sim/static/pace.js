@@ -5,7 +5,6 @@ export const REST = 0;
 export const DRIFT = 15; // smoke rises, tracks fade
 export const MOTION = 60;
 
-const SCREEN = 1000 / 60; // ms between two pictures of the screen
 const SEEN = 0.5; // pixels; nobody sees a shorter way
 const LOOKS = ["name", "id", "beam", "lit", "hits"]; // of a robot, besides its place
 
@@ -30,9 +29,3 @@ function way(before, after, { robot_radius: radius, beam_range: range }) {
 
 /** Whether the next of `pace` pictures a second is due `since` s after the last one. */
 export const isDue = (pace, since) => since > 0.8 / pace; // the screen's pictures come a bit early, too
-
-/** Whether the screen is ready too soon, `since` ms after a picture: a browser that is late still offers pictures of the past. */
-export const isSoon = (since, interval) => since < 0.75 * interval && interval > SCREEN;
-
-/** ms to wait after a picture before the screen is asked for the next one, which it has within `interval` ms; 0: at once. */
-export const waitFor = (interval) => (interval <= SCREEN ? 0 : interval - SCREEN / 2);
