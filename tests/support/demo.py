@@ -28,6 +28,12 @@ class Demo(Battle):
             LASERBOT_ORIGINS=f"http://127.0.0.1:{web}",  # whatever name a page has for rosbridge and the relay
         )
         self.journal = journal
+        self.is_worn = False
+
+    def kill(self, command: str) -> None:
+        """For 20 s after its start, a server takes no silent robot for lost: the next test gets another demo."""
+        self.is_worn |= "server" in command and "main" in command
+        super().kill(command)
 
     def play_by(self, **rules: object) -> None:
         """Rules as the desk has them, such as countdown=1, until the end of the test."""
@@ -96,6 +102,8 @@ class Demos:
         except BaseException:
             self.end(is_well=False)
             raise
+        if self._running.is_worn:
+            self.end()
 
     def end(self, *, is_well: bool = True) -> None:
         running, self._running = self._running, None
