@@ -110,7 +110,8 @@ def test_it_comes_back_after_a_restart_of_the_server_and_of_rosbridge(battle: De
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])
 def test_a_signal_makes_it_sign_out(battle: Demo, start_bot: StartBot, signum: signal.Signals) -> None:
     bot = start_bot("--name", "Bot7")
-    until(lambda: "Bot7" in users(battle), 15)
+    bot.wait_for("signed up as Bot7")
+    assert "Bot7" in users(battle)
     assert bot.stop(signum) == 0
     assert "Bot7" not in users(battle)
 
