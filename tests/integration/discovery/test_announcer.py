@@ -73,8 +73,9 @@ class Ears:
 
     @property
     def arenas(self) -> dict[str, dict[str, Any]]:
-        """Their records by their names."""
-        arenas: dict[str, dict[str, Any]] = json.loads(self.program.output.rpartition("\n")[0].splitlines()[-1])
+        """Their records by their names; none before it has said anything."""
+        lines = self.program.output.rpartition("\n")[0].splitlines()
+        arenas: dict[str, dict[str, Any]] = json.loads(lines[-1]) if lines else {}
         return arenas
 
     def hears(self, *arenas: str, seconds: float = 5) -> None:
