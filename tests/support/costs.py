@@ -60,5 +60,5 @@ class Costs:
         dearest = sorted(self._files.items(), key=lambda item: -item[1][0])
         total = sum(processor for processor, _ in self._files.values())
         terminalreporter.section(f"{total:.0f} s of processor time; the dearest files (processor, clock)")
-        for file, (processor, clock) in dearest[: LISTED if os.environ.get("ALLCOSTS") is None else None]:
+        for file, (processor, clock) in dearest[:LISTED]:
             terminalreporter.write_line(f"{processor:7.1f} s {clock:7.1f} s  {file}")
