@@ -3,6 +3,8 @@ variable "VERSION" { default = "0" }
 variable "REVISION" { default = "" }
 variable "SOURCE" { default = "" }
 variable "SOURCE_DATE_EPOCH" { default = "0" }
+# true: only for the platforms on which make test starts the images
+variable "FEWER_PLATFORMS" { default = false }
 
 group "default" { targets = ["webserver", "rosberry", "sim", "monitoring"] }
 
@@ -38,7 +40,7 @@ target "rosberry" {
   target    = "rosberry"
   args      = { IMAGE = "rosberry" }
   labels    = { "org.opencontainers.image.title" = "LaserBot Battle: a robot" }
-  platforms = ["linux/arm/v7", "linux/arm64", "linux/amd64"]
+  platforms = FEWER_PLATFORMS ? ["linux/arm/v7", "linux/amd64"] : ["linux/arm/v7", "linux/arm64", "linux/amd64"]
   tags      = ["rosberry:${VERSION}"]
 }
 
@@ -48,7 +50,7 @@ target "sim" {
   target    = "sim"
   args      = { IMAGE = "sim" }
   labels    = { "org.opencontainers.image.title" = "LaserBot Battle: virtual robots and their arena" }
-  platforms = ["linux/amd64", "linux/arm64", "linux/arm/v7"]
+  platforms = FEWER_PLATFORMS ? ["linux/arm/v7", "linux/amd64"] : ["linux/amd64", "linux/arm64", "linux/arm/v7"]
   tags      = ["sim:${VERSION}"]
 }
 
@@ -58,6 +60,6 @@ target "monitoring" {
   target    = "monitoring"
   args      = { IMAGE = "monitoring" }
   labels    = { "org.opencontainers.image.title" = "LaserBot Battle: Prometheus and Alertmanager" }
-  platforms = ["linux/amd64", "linux/arm64"]
+  platforms = FEWER_PLATFORMS ? ["linux/arm64"] : ["linux/amd64", "linux/arm64"]
   tags      = ["monitoring:${VERSION}"]
 }

@@ -54,6 +54,17 @@ def chromium() -> Iterator[Browser]:
         browser.close()
 
 
+@pytest.fixture(autouse=True)
+def closes_its_pages(request: pytest.FixtureRequest) -> Iterator[None]:
+    """A test that fails leaves no page behind, which would go on playing and looking beside the next test."""
+    browser: Browser | None = request.getfixturevalue("chromium") if "chromium" in request.fixturenames else None
+    before = list(browser.contexts) if browser else []
+    yield
+    for context in list(browser.contexts) if browser else []:
+        if context not in before:
+            context.close()
+
+
 @pytest.fixture(scope="session")
 def screenshots() -> Path:
     """Where the pictures of the pages are kept."""

@@ -9,7 +9,7 @@ from playwright.sync_api import Browser, Page, WebSocket, expect
 
 from tests.browser.axe import Looks, violations
 from tests.browser.people import Person
-from tests.support.demo import TOKEN, Demo
+from tests.support.demo import TOKEN, Demo, Demos
 from tests.support.picture_source import PictureSource, tell
 from tests.support.player import Player
 from tests.support.polling import until
@@ -45,16 +45,25 @@ def battle(demo: Demo) -> Demo:
     return demo
 
 
-@pytest.fixture
-def camera(battle: Demo) -> Iterator[PictureSource]:
-    """Of both robots."""
+@pytest.fixture(scope="module")
+def source(demos: Demos) -> Iterator[PictureSource]:
+    """One camera for all tests: a relay that still follows the test's before would otherwise look elsewhere."""
     with PictureSource(GREEN) as source:
-        for robot in (0, 1):
-            tell(battle.ports["LASERBOT_ROS_PORT"], robot, source.url)
         yield source
+    if demos.running:
+        for robot in (0, 1):
+            eyes = f"http://127.0.0.1:{demos.running.arena_port}/eyes/virtual{robot}"
+            tell(demos.running.ports["LASERBOT_ROS_PORT"], robot, eyes)
+
+
+@pytest.fixture
+def camera(battle: Demo, source: PictureSource) -> PictureSource:
+    """Of both robots, with nothing wrong."""
+    source.is_frozen, source.is_online, source.clock = False, True, 0.0
+    source.paint(GREEN)
     for robot in (0, 1):
-        eyes = f"http://127.0.0.1:{battle.arena_port}/eyes/virtual{robot}"
-        tell(battle.ports["LASERBOT_ROS_PORT"], robot, eyes)
+        tell(battle.ports["LASERBOT_ROS_PORT"], robot, source.url)
+    return source
 
 
 @pytest.fixture
@@ -66,11 +75,15 @@ def ann(person: Callable[..., Person], camera: PictureSource) -> Person:
     return ann
 
 
-def is_coloured(page: Page, colour: str) -> bool:
-    """Whether that is what the floor looks like, right of the middle of the picture."""
-    seen = page.evaluate(PIXEL, ["#camera", 0.53, 0.5])
+def wait_for_colour(page: Page, colour: str) -> None:
+    """Until that is what the floor looks like, right of the middle of the picture."""
     wanted = [int(colour[start : start + 2], 16) for start in (1, 3, 5)]
-    return all(abs(one - other) < 12 for one, other in zip(seen, wanted, strict=True))
+
+    def is_coloured() -> bool:
+        seen = page.evaluate(PIXEL, ["#camera", 0.53, 0.5])
+        return all(abs(one - other) < 12 for one, other in zip(seen, wanted, strict=True))
+
+    until(is_coloured, 5, "a picture of that colour")
 
 
 def test_a_player_sees_what_the_robot_sees(ann: Person, camera: PictureSource) -> None:
@@ -78,10 +91,10 @@ def test_a_player_sees_what_the_robot_sees(ann: Person, camera: PictureSource) -
     expect(page.locator("#stage")).to_have_attribute("data-view", "eyes")
     expect(page.locator("#camera")).to_have_attribute("data-level", "fresh")
     expect(page.locator("#camera-note")).to_be_hidden()
-    assert is_coloured(page, GREEN)
+    wait_for_colour(page, GREEN)
     camera.paint(RED)
-    until(lambda: is_coloured(page, RED), 5, "the next picture")
-    assert camera.streams == 1
+    wait_for_colour(page, RED)
+    until(lambda: camera.streams == 1, 5, "that is all that is fetched")
 
 
 def test_a_key_a_button_and_the_arena_in_the_corner_choose_the_view_which_is_remembered(
@@ -209,7 +222,7 @@ def test_without_the_cookie_the_ticket_tells_whose_camera_it_is(
         assert bob.ready() == "OK"
         expect(eve.page.locator("#game-status")).to_contain_text("PLAY!")
         camera.paint(RED)  # spectators see nothing of a battle here, and so would she
-        until(lambda: is_coloured(eve.page, RED), 5, "she sees through her robot's camera")
+        wait_for_colour(eve.page, RED)
 
 
 @pytest.mark.parametrize(("width", "height"), [(390, 844), pytest.param(844, 390, marks=pytest.mark.slow)])
@@ -257,16 +270,16 @@ def test_a_spectator_chooses_a_camera_by_the_keyboard_until_a_battle_hides_it(
         page.keyboard.press("ArrowDown")
         expect(page.locator("#camera")).to_be_visible()
         expect(page.locator("#arena")).to_be_hidden()
-        assert page.url.endswith("#robot0")
+        expect(page).to_have_url(re.compile("#robot0$"))
         page.reload()
         expect(page.locator("#camera")).to_be_visible()
-        assert is_coloured(page, GREEN)
+        wait_for_colour(page, GREEN)
         assert (ann.ready(), bob.ready()) == ("OK", "OK")
         expect(page.locator("#camera-note")).to_have_text("The cameras are hidden while a battle runs.")
         expect(page.locator("#camera")).to_be_hidden()
         choice.select_option(label="the arena")
         expect(page.locator("#arena")).to_be_visible()
-        assert page.url.endswith("/watch")
+        expect(page).to_have_url(re.compile("/watch$"))
     page.close()
 
 
@@ -285,7 +298,7 @@ def test_operators_look_through_any_camera_and_see_what_all_of_them_cost(
     look.focus()
     desk.keyboard.press("Enter")
     expect(desk.locator("#camera")).to_be_visible()
-    assert is_coloured(desk, GREEN)
+    wait_for_colour(desk, GREEN)
     row = desk.locator("#cameras-rows [data-key='1']")
     expect(row.locator("[data-field=state]")).to_have_text("live")
     expect(row.locator("[data-field=rate]")).to_have_text(re.compile(r"^(1\d|20)(\.\d)?/s$"))

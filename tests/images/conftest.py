@@ -45,7 +45,15 @@ def build(*targets: str, **variables: str) -> float:
     return time.monotonic() - began
 
 
-EVERY = [(image, platform) for image in imagefile.IMAGES for platform in sorted(imagefile.platforms(image))]
+EVERY = [
+    pytest.param(
+        *(image, platform),
+        id=f"{image}-{platform}",
+        marks=[] if platform in imagefile.platforms(image, fewer=True) else pytest.mark.slow,
+    )
+    for image in imagefile.IMAGES
+    for platform in sorted(imagefile.platforms(image))
+]
 
 
 @pytest.fixture(scope="session")

@@ -54,7 +54,7 @@ def ros_master(version: str, network: str) -> Iterator[str]:
         yield "http://master:11311"
 
 
-@pytest.fixture(scope="module", params=EVERY, ids="-".join)
+@pytest.fixture(scope="module", params=EVERY)
 def started(request: pytest.FixtureRequest, version: str, network: str, ros_master: str) -> Iterator[Started]:
     image, platform = request.param
     environment = {"ROS_MASTER_URI": ros_master, "LASERBOT_SERIAL": "/nowhere"}

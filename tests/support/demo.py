@@ -89,23 +89,23 @@ class Demos:
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
-        self._running: Demo | None = None
+        self.running: Demo | None = None
 
     def lend(self) -> Iterator[Demo]:
-        if self._running is None:
-            self._running = Demo(self._folder)
-            leaks.lasting.add(self._running.program.process.pid)
-            self._running.__enter__()
-        yield self._running
+        if self.running is None:
+            self.running = Demo(self._folder)
+            leaks.lasting.add(self.running.program.process.pid)
+            self.running.__enter__()
+        yield self.running
         try:
-            self._running.tidy()
+            self.running.tidy()
         except BaseException:
             self.end(is_well=False)
             raise
-        if self._running.is_worn:
+        if self.running.is_worn:
             self.end()
 
     def end(self, *, is_well: bool = True) -> None:
-        running, self._running = self._running, None
+        running, self.running = self.running, None
         if running is not None:
             running.end(is_well=is_well)

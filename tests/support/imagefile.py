@@ -52,11 +52,12 @@ def _read(config: ImageConfig, word: str, rest: str) -> None:
 
 
 @cache
-def platforms(image: str) -> set[str]:
-    """Of docker-bake.hcl: linux/amd64, ..."""
+def platforms(image: str, *, fewer: bool = False) -> set[str]:
+    """Of docker-bake.hcl: linux/amd64, ... `fewer`: with FEWER_PLATFORMS."""
     text = (ROOT / "docker-bake.hcl").read_text()
-    (listed,) = re.findall(rf'^target "{image}" {{\n.*?platforms = (\[.*?\])', text, re.MULTILINE | re.DOTALL)
-    return set(json.loads(listed))
+    (line,) = re.findall(rf'^target "{image}" {{\n.*?platforms = (.*?)\n', text, re.MULTILINE | re.DOTALL)
+    lists = re.findall(r"\[.*?\]", line)
+    return set(json.loads(lists[0] if fewer else lists[-1]))
 
 
 def folders(image: str) -> set[str]:

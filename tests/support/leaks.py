@@ -2,6 +2,8 @@
 
 import contextlib
 import ctypes
+import os
+import socket
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -43,14 +45,25 @@ def nothing_left(folder: Path, seconds: float = 2.0) -> Iterator[None]:
 def present(folder: Path) -> set[str]:
     # a loop's helper (asyncio_0) ends with the loop, such as Playwright's with the browser of a module
     threads = {f"thread {thread.name}" for thread in threading.enumerate() if not thread.name.startswith("asyncio_")}
-    listening = {
-        f"port {connection.laddr.port}"
-        for connection in psutil.Process().net_connections("tcp")
-        if connection.status == psutil.CONN_LISTEN
-    }
+    listening = {f"port {port}" for port in listening_ports()}
     # Chromium's own are gone with the browser of a module
     files = {f"file {path}" for path in folder.iterdir() if not path.name.startswith(".org.chromium.")}
     return threads | listening | children() | files
+
+
+def listening_ports() -> set[int]:
+    """The TCP ports on which this process listens. Asks its own descriptors: to read the kernel's table of all
+    connections takes 10 ms."""
+    ports = set()
+    for link in Path("/proc/self/fd").iterdir():
+        with contextlib.suppress(OSError):  # one that has just been closed
+            if not os.readlink(link).startswith("socket:"):
+                continue
+            with socket.socket(fileno=os.dup(int(link.name))) as one:
+                is_tcp = one.family in (socket.AF_INET, socket.AF_INET6) and one.type == socket.SOCK_STREAM
+                if is_tcp and one.getsockopt(socket.SOL_SOCKET, socket.SO_ACCEPTCONN):
+                    ports.add(one.getsockname()[1])
+    return ports
 
 
 def children() -> set[str]:

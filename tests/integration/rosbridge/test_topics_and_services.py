@@ -40,7 +40,7 @@ def test_a_latched_message_ends_with_its_publisher(ros_master: RosMaster, client
     for name in ("planner0", "planner1"):
         planner = RospyPeer(name, ros_master.env)
         try:
-            planner.do("advertise", "/goal", True)
+            planner.advertise("/goal", True)
             planner.do("publish", "/goal", name)
             assert first.hear()["msg"] == {"data": name}
             if name == "planner1":
@@ -79,7 +79,7 @@ def test_the_last_words_of_a_client_that_is_gone_keep_nothing_from_others(
     """They wait for the topic's type, which is asked for in ROS, while the client goes."""
     planner = RospyPeer("planner2", ros_master.env)
     try:
-        planner.do("advertise", "/route", True)
+        planner.advertise("/route", True)
         planner.do("publish", "/route", "there")
         hasty, heir = client().operate(), client().operate()
         hasty.say("advertise_service", service="/plan", type="std_srvs/Empty")

@@ -81,7 +81,7 @@ def test_without_its_database_the_game_goes_on(played, get, server, tmp_path):
     cy.post("signOutUser", data="cy")
     assert cy.post("updateGameStatus")["game"] == 0
     (tmp_path / "elsewhere").rename(tmp_path / "data")
-    battle = until(lambda: get("results/2.json").json(), 5)
+    battle = until(lambda: (answer := get("results/2.json")).ok and answer, 5, "the battle is kept").json()
     assert [one["name"] for one in battle["fighters"]] == ["bob", "cy"]
     assert "Traceback" not in server.program.output
     cy.close()

@@ -81,6 +81,11 @@ class RospyPeer:
         assert self._process.stdin
         self._process.stdin.write(json.dumps([command, *arguments]) + "\n")
 
+    def advertise(self, topic: str, latch: bool = False) -> None:
+        """Until the peer has done so: rospy tells the master first, and latches after that."""
+        self.do("advertise", topic, latch)
+        until(lambda: ["advertised", topic] in self.said, what=f"{topic} is advertised")
+
     def heard(self, topic: str) -> list[Any]:
         return [line[2] for line in self.said if line[:2] == ["heard", topic]]
 

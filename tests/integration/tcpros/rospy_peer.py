@@ -32,6 +32,7 @@ class Peer:
 
     def advertise(self, topic: str, latch: bool = False) -> None:
         self._publishers[topic] = rospy.Publisher(topic, String, queue_size=1000, latch=latch)
+        self.say("advertised", topic)
 
     def publish(self, topic: str, *texts: Any) -> None:
         """A number is the length of a text."""

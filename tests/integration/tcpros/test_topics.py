@@ -88,7 +88,7 @@ def test_what_rospy_publishes_is_received_with_the_header_of_its_connection(
             peer.do("publish", topic, "a", "b", "c")
             await eventually(lambda: [one for one, _ in received] == ["kept", "a", "b", "c"])
 
-    peer.do("advertise", topic, True)
+    peer.advertise(topic, True)
     peer.do("publish", topic, "kept")
     run(scenario)
 
@@ -121,17 +121,18 @@ def test_messages_of_a_mebibyte_and_more_go_both_ways(run: Run, node: StartNode,
 
     async def scenario() -> None:
         async with node("ours") as ours:
-            ours.subscribe(topic, STRING, lambda data, _: received.append(len(value(data))))
+            subscriber = ours.subscribe(topic, STRING, lambda data, _: received.append(len(value(data))))
             made = ours.advertise(f"{topic}/back", STRING)
             await eventually(lambda: made.connections)
             for number, length in enumerate(lengths, 1):  # one at a time: together they are more than may wait
                 made.publish(text("y" * length))
                 await eventually(partial(heard, number))
+            await subscriber.settled()
             peer.do("publish", topic, *lengths)
             await eventually(lambda: received == lengths)
         assert peer.heard(f"{topic}/back") == [2**20, "", 5 * 2**20 + 1, "yyy"]
 
-    peer.do("advertise", topic)
+    peer.advertise(topic)
     peer.do("subscribe", f"{topic}/back")
     run(scenario)
 
@@ -186,7 +187,7 @@ def test_a_topic_of_another_type_is_not_received_and_it_is_said_once(
             await eventually(lambda: caplog.records)
             assert wrong.connections == 0
 
-    peer.do("advertise", topic, True)
+    peer.advertise(topic, True)
     with caplog.at_level(logging.WARNING, "server.tcpros"):
         run(scenario)
     (record,) = caplog.records
@@ -233,7 +234,7 @@ def test_a_publisher_that_was_restarted_is_connected_again(
 
     async def start() -> RospyPeer:
         peer = await asyncio.to_thread(RospyPeer, f"restarted{topic[1:]}", ros_master.env)
-        peer.do("advertise", topic, True)
+        await asyncio.to_thread(peer.advertise, topic, True)
         return peer
 
     async def scenario() -> None:
@@ -291,6 +292,6 @@ def test_two_subscribers_of_one_topic_are_independent(run: Run, node: StartNode,
             await eventually(lambda: second == ["kept", "more"])
             assert first == ["kept"]
 
-    peer.do("advertise", topic, True)
+    peer.advertise(topic, True)
     peer.do("publish", topic, "kept")
     run(scenario)
