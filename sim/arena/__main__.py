@@ -13,7 +13,6 @@ from laser_bot_battle.watched import Owner, in_loop, watched
 from sim.arena.ambient import Ambient, add_options
 from sim.arena.eyes.pages import EyePages
 from sim.arena.figures import figures
-from sim.arena.floor import BATTLE_FLOOR
 from sim.arena.link import Link
 from sim.arena.settings import VARIABLES, Settings
 from sim.arena.view import View
@@ -26,7 +25,7 @@ _log = logging.getLogger(__name__)
 async def run(settings: Settings, light: Ambient, timecode: bool) -> None:
     """Serve, in that light, until SIGINT or SIGTERM; OSError if a port cannot be had."""
     end = signalled()
-    world = World(BATTLE_FLOOR)
+    world = World(settings.floor)
     link = Link(world, light)
     view = View(world, settings.rosbridge_port, EyePages(world, light, timecode))
     page = web.AppRunner(view.app(), access_log=None, shutdown_timeout=1.0)

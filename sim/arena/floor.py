@@ -52,3 +52,22 @@ BATTLE_FLOOR = make_floor(
         (1.45, 0.60),
     ),
 )
+
+# Each robot has the one opposite in its beam from the start: for a duel of a minute, and for tests.
+DUEL_FLOOR = make_floor(
+    1.0,
+    0.8,
+    inner=(),
+    starts=(
+        (0.25, 0.25),
+        (0.75, 0.55),
+        (0.25, 0.55),
+        (0.75, 0.25),
+        (0.50, 0.15),
+        (0.50, 0.65),
+        (0.12, 0.40),
+        (0.88, 0.40),
+    ),
+)
+
+FLOORS = {"battle": BATTLE_FLOOR, "duel": DUEL_FLOOR}

@@ -3,18 +3,30 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from laser_bot_battle.variables import ALIVE_FILE, ARENA, ARENA_LINK, BIND, LOG_FORMAT, LOG_LEVEL, METRICS, ROSBRIDGE
+from laser_bot_battle.variables import (
+    ALIVE_FILE,
+    ARENA,
+    ARENA_LINK,
+    BIND,
+    FLOOR,
+    LOG_FORMAT,
+    LOG_LEVEL,
+    METRICS,
+    ROSBRIDGE,
+)
+from sim.arena.floor import FLOORS, Floor
 
-VARIABLES = (BIND, ARENA, ARENA_LINK, ROSBRIDGE, METRICS, LOG_LEVEL, LOG_FORMAT, ALIVE_FILE)
+VARIABLES = (BIND, ARENA, ARENA_LINK, FLOOR, ROSBRIDGE, METRICS, LOG_LEVEL, LOG_FORMAT, ALIVE_FILE)
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the arena listens, where its page finds rosbridge on the same host, and how much it logs."""
+    """Where the arena listens, its floor, where its page finds rosbridge on the same host, and how much it logs."""
 
     bind: str
     view_port: int
     link_port: int
+    floor: Floor
     rosbridge_port: int
     metrics: tuple[str, int] | None  # where the first program is watched
     log_level: str
@@ -26,6 +38,7 @@ class Settings:
             bind=BIND.read(env),
             view_port=ARENA.read(env),
             link_port=ARENA_LINK.read(env),
+            floor=FLOORS[FLOOR.read(env)],
             rosbridge_port=ROSBRIDGE.read(env),
             metrics=METRICS.read(env),
             log_level=LOG_LEVEL.read(env),

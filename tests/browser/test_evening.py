@@ -11,7 +11,7 @@ from tests.support.demo import Demo
 
 @pytest.fixture
 def battle(demo: Demo) -> Demo:
-    demo.play_by(countdown=2, battle_limit=3)
+    demo.play_by(countdown=1, battle_limit=2)
     return demo
 
 

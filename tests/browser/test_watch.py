@@ -30,6 +30,7 @@ def screen(chromium: Browser, battle: Demo) -> Iterator[Page]:
     page = context.new_page()
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
+    page.clock.install()  # it goes on as any clock does, and can be put forward
     page.goto(f"{battle.web}/watch")
     yield page
     context.close()
@@ -68,6 +69,7 @@ def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Demo, screenshots
         expect(screen.locator("[data-metal=gold]")).to_contain_text("Ann")
         expect(screen.locator("[data-metal=silver]")).to_contain_text("Bob")
         screen.screenshot(path=screenshots / "watch-podium.png")
+        screen.clock.fast_forward("01:00")  # more than the podium is shown, and news are new
         expect(body).to_have_attribute("data-panel", panel("leaders"))
         expect(screen.locator("#leaders tbody tr").first).to_contain_text("Ann")
         expect(feed.locator("li")).to_have_count(6)  # the newest, and by now all are old

@@ -147,6 +147,7 @@ def test_after_a_restart_of_the_server_everybody_goes_on(battle: Demo, players: 
             obeys(player, eyes, 15)
 
 
+@pytest.mark.slow  # it stands still for seconds
 def test_a_server_that_stood_still_takes_nobody_for_gone(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     start(ann, bob)
@@ -161,6 +162,7 @@ def test_a_server_that_stood_still_takes_nobody_for_gone(battle: Demo, players: 
     assert {user["name"] for user in ann.look()["users"]} == {"Ann", "Bob"}
 
 
+@pytest.mark.slow  # it stands still for seconds
 def test_a_ros_master_that_hangs_is_not_noticed_in_a_battle(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
     with Eyes(battle) as eyes:

@@ -24,6 +24,7 @@ class Demo(Battle):
             ROBOTS,
             LASERBOT_OPERATOR_TOKEN=TOKEN,
             LASERBOT_JOURNAL=str(journal),
+            LASERBOT_FLOOR="duel",  # on the other one, a bot drives for 10 s before it can shoot
             LASERBOT_WEB_PORT=str(web),
             LASERBOT_ORIGINS=f"http://127.0.0.1:{web}",  # whatever name a page has for rosbridge and the relay
         )

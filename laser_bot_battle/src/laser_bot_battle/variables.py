@@ -170,6 +170,12 @@ PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
 ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` starts; not with compose")
 ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
 ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
+FLOOR = choice(
+    "LASERBOT_FLOOR",
+    "battle",
+    ("battle", "duel"),
+    "the virtual robots' floor: with walls to hide behind, or small and open, where all see each other from the start",
+)
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
 LIGHT = choice(
     "LASERBOT_LIGHT",

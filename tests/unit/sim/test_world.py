@@ -4,8 +4,9 @@ import math
 
 import pytest
 
-from sim.arena.floor import BATTLE_FLOOR, Floor, make_floor
+from sim.arena.floor import BATTLE_FLOOR, DUEL_FLOOR, FLOORS, Floor, make_floor
 from sim.arena.geometry import METRES_PER_HALF_STEP, ROBOT_RADIUS, Pose, bearing, nearest_on_wall, wrap
+from sim.arena.light import shines_on
 from sim.arena.world import MAX_JUMP, MAX_REMEMBERED, MAX_ROBOTS, ArenaError, World
 
 EMPTY_FLOOR = make_floor(2.0, 2.0, (), ((1.0, 1.0), (0.2, 0.2), (1.8, 1.8)))
@@ -97,8 +98,9 @@ def test_a_wedged_robot_stays_where_it_is() -> None:
     assert world.robots["a"].pose.point == pytest.approx((1.925, 1))
 
 
-def test_wherever_robots_drive_nothing_overlaps() -> None:
-    world = World(BATTLE_FLOOR)
+@pytest.mark.parametrize("floor", FLOORS.values(), ids=FLOORS)
+def test_wherever_robots_drive_nothing_overlaps(floor: Floor) -> None:
+    world = World(floor)
     names = [f"virtual{n}" for n in range(MAX_ROBOTS)]
     wheels = dict.fromkeys(names, (0, 0))
     for name in names:
@@ -111,9 +113,15 @@ def test_wherever_robots_drive_nothing_overlaps() -> None:
             world.turn_wheels(name, *wheels[name])
     points = [robot.pose.point for robot in world.robots.values()]
     for n, point in enumerate(points):
-        assert all(math.dist(point, nearest_on_wall(point, wall)) > ROBOT_RADIUS - 1e-4 for wall in BATTLE_FLOOR.walls)
+        assert all(math.dist(point, nearest_on_wall(point, wall)) > ROBOT_RADIUS - 1e-4 for wall in floor.walls)
         assert all(math.dist(point, other) > 2 * ROBOT_RADIUS - 1e-4 for other in points[:n])
-        assert 0 < point[0] < BATTLE_FLOOR.width and 0 < point[1] < BATTLE_FLOOR.height
+        assert 0 < point[0] < floor.width and 0 < point[1] < floor.height
+
+
+def test_in_a_duel_the_first_two_have_each_other_in_their_beams_from_the_start() -> None:
+    one, other, *_ = DUEL_FLOOR.spawns
+    assert shines_on(one, other.point, DUEL_FLOOR.walls, [])
+    assert shines_on(other, one.point, DUEL_FLOOR.walls, [])
 
 
 def test_a_beam_lights_the_other_robot_only() -> None:
