@@ -24,6 +24,7 @@ def battle(version: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
         LASERBOT_VERSION=version,
         LASERBOT_HIT_DAMAGE="40",
         LASERBOT_COUNTDOWN="1",
+        LASERBOT_FLOOR="duel",
     ) as running:
         yield running
 
