@@ -47,7 +47,7 @@ def build(*targets: str, **variables: str) -> float:
 
 EVERY = [
     pytest.param(
-        *(image, platform),
+        (image, platform),
         id=f"{image}-{platform}",
         marks=[] if platform in imagefile.platforms(image, fewer=True) else pytest.mark.slow,
     )

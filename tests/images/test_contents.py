@@ -130,8 +130,9 @@ def test_it_ends_when_told(started: Started) -> None:
     assert took < 10, "it had to be killed"
 
 
-@pytest.mark.parametrize(("image", "platform"), EVERY)
-def test_each_image_has_a_list_of_its_contents(version: str, image: str, platform: str) -> None:
+@pytest.mark.parametrize("built", EVERY)
+def test_each_image_has_a_list_of_its_contents(version: str, built: tuple[str, str]) -> None:
+    image, platform = built
     document = json.loads((ROOT / f"build/sbom/{image}-{platform.replace('/', '_')}.cdx.json").read_text())
     names = {component["name"] for component in document["components"]}
     assert locked(image, platform) <= names

@@ -1,4 +1,4 @@
-"""Which tests run beside each other when there are several workers (pytest -n 3)."""
+"""Which tests run beside each other when there are several workers (pytest -n 4)."""
 
 import re
 from functools import cache
