@@ -3,7 +3,7 @@
 
 help:
 	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser'
-	@echo 'make test                      what every change must pass: 20 minutes'
+	@echo 'make test                      what every change must pass: 15 minutes'
 	@echo 'make test-all                  everything, the slow tests included: before a release'
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     the figures: latencies, stop time, stepper speed'
