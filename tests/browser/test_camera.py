@@ -47,7 +47,7 @@ def battle(demo: Demo) -> Demo:
 
 @pytest.fixture(scope="module")
 def source(demos: Demos) -> Iterator[PictureSource]:
-    """One camera for all tests: a relay that still follows the test's before would otherwise look elsewhere."""
+    """One camera for all tests: a relay that still follows that of the test before would look elsewhere."""
     with PictureSource(GREEN) as source:
         yield source
     if demos.running:

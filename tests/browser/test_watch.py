@@ -69,7 +69,7 @@ def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Demo, screenshots
         expect(screen.locator("[data-metal=gold]")).to_contain_text("Ann")
         expect(screen.locator("[data-metal=silver]")).to_contain_text("Bob")
         screen.screenshot(path=screenshots / "watch-podium.png")
-        screen.clock.fast_forward("01:00")  # more than the podium is shown, and news are new
+        screen.clock.fast_forward("01:00")  # longer than the podium stays, and than news count as new
         expect(body).to_have_attribute("data-panel", panel("leaders"))
         expect(screen.locator("#leaders tbody tr").first).to_contain_text("Ann")
         expect(feed.locator("li")).to_have_count(6)  # the newest, and by now all are old

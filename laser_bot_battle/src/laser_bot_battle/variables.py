@@ -174,7 +174,7 @@ FLOOR = choice(
     "LASERBOT_FLOOR",
     "battle",
     ("battle", "duel"),
-    "the virtual robots' floor: with walls to hide behind, or small and open, where all see each other from the start",
+    "the virtual robots' floor: with walls to hide behind, or small and open, each robot face to face with another",
 )
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
 LIGHT = choice(

@@ -118,10 +118,11 @@ def test_wherever_robots_drive_nothing_overlaps(floor: Floor) -> None:
         assert 0 < point[0] < floor.width and 0 < point[1] < floor.height
 
 
-def test_in_a_duel_the_first_two_have_each_other_in_their_beams_from_the_start() -> None:
-    one, other, *_ = DUEL_FLOOR.spawns
-    assert shines_on(one, other.point, DUEL_FLOOR.walls, [])
-    assert shines_on(other, one.point, DUEL_FLOOR.walls, [])
+def test_in_a_duel_each_two_robots_have_each_other_in_their_beams_from_the_start() -> None:
+    for one, other in zip(DUEL_FLOOR.spawns[::2], DUEL_FLOOR.spawns[1::2], strict=True):
+        others = [pose.point for pose in DUEL_FLOOR.spawns if pose not in (one, other)]
+        assert shines_on(one, other.point, DUEL_FLOOR.walls, others)
+        assert shines_on(other, one.point, DUEL_FLOOR.walls, others)
 
 
 def test_a_beam_lights_the_other_robot_only() -> None:
