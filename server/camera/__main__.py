@@ -14,7 +14,7 @@ from server.camera.sight import Sight
 from server.event_loop import live, ros_node, warn_of_arguments, work_in_loop
 from server.node import Node, read_arguments
 from server.rosbridge.handshake import OwnPages, own_names
-from server.rosbridge.websocket.server import WebSocketServer
+from server.websocket.server import WebSocketServer
 
 _log = logging.getLogger(__name__)
 

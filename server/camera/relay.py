@@ -18,12 +18,12 @@ from server.camera.picture import Picture
 from server.camera.sight import Sight
 from server.camera.viewer import Viewer
 from server.rosbridge.identity import Claim, Identity
-from server.rosbridge.websocket.connection import Connection
-from server.rosbridge.websocket.frames import frame
-from server.rosbridge.websocket.places import Limits, Place, place_of
-from server.rosbridge.wire import Request, RequestError, brief, dumps, parse, status
 from server.tcpros.node import Node
 from server.tcpros.specs import TypeSpec
+from server.websocket.connection import Connection
+from server.websocket.frames import frame
+from server.websocket.limits import Limits, Place, place_of
+from server.websocket.requests import Request, RequestError, brief, dumps, parse, status
 
 _log = logging.getLogger(__name__)
 

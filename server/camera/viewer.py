@@ -2,7 +2,7 @@
 
 from server.camera.picture import Picture
 from server.rosbridge.identity import Claim, Identity
-from server.rosbridge.wire import dumps
+from server.websocket.requests import dumps
 
 CREDITS = 2  # pictures that may be on their way to a viewer
 

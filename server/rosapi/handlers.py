@@ -6,7 +6,7 @@ from typing import Any
 
 import rosgraph.names
 
-from server.rosbridge.wire import RequestError, brief
+from server.websocket.requests import RequestError, brief
 
 NODE = "/rosapi"
 

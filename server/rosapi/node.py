@@ -11,9 +11,9 @@ from server.rosapi.params import Params
 from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import ServiceType, Types
 from server.rosbridge.globs import Globs
-from server.rosbridge.wire import RequestError
 from server.tcpros.node import Node
 from server.tcpros.specs import ServiceFailure, ServiceSpec
+from server.websocket.requests import RequestError
 
 
 async def start_rosapi(node: Node, types: Types, clock: Clock, globs: Globs) -> None:

@@ -7,7 +7,7 @@ import xmlrpc.client
 from typing import Any
 
 from server.rosapi.handlers import sendable
-from server.rosbridge.wire import RequestError, brief
+from server.websocket.requests import RequestError, brief
 
 INT32 = range(-(2**31), 2**31)
 MAX_DEPTH = 50  # lists and objects inside each other

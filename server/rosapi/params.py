@@ -7,8 +7,8 @@ from laser_bot_battle.master import MasterError
 from server.rosapi.handlers import Handler, Values, global_name, sendable
 from server.rosapi.param_values import as_json, parameter
 from server.rosbridge.globs import Globs
-from server.rosbridge.wire import RequestError
 from server.tcpros.node import Node
+from server.websocket.requests import RequestError
 
 
 class Params:

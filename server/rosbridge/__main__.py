@@ -22,7 +22,7 @@ from server.rosbridge.conversion import Types
 from server.rosbridge.gate import Gate
 from server.rosbridge.handshake import OwnPages, own_names
 from server.rosbridge.settings import OPTIONS, VARIABLES, Settings
-from server.rosbridge.websocket.server import WebSocketServer
+from server.websocket.server import WebSocketServer
 
 _log = logging.getLogger(__name__)
 

@@ -43,10 +43,10 @@ from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
 from server.rosbridge.shots import SHOT_TYPE
 from server.rosbridge.subscription import Subscription
-from server.rosbridge.websocket.connection import Connection
-from server.rosbridge.websocket.places import Place, place_of
-from server.rosbridge.wire import RequestError, one_line
 from server.tcpros.node import Node
+from server.websocket.connection import Connection
+from server.websocket.limits import Place, place_of
+from server.websocket.requests import RequestError, one_line
 
 _log = logging.getLogger(__name__)
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import cbor2
 
-from server.rosbridge.wire import RequestError, dumps
+from server.websocket.requests import RequestError, dumps
 
 COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
 # Of text in an image, and of an image: a small image may hold text without end.

@@ -12,7 +12,7 @@ from server.rosbridge.effects import Effect, Log, Send
 from server.rosbridge.gate import COMMAND_TYPE, STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.identity import Claim, Identity
-from server.rosbridge.wire import Id, Request, RequestError, status
+from server.websocket.requests import Id, Request, RequestError, status
 
 SEVERITY = {"error": 1, "warning": 2, "info": 3, "none": 0}
 LOG_LEVELS = {"error": logging.WARNING, "warning": logging.INFO, "info": logging.INFO}

@@ -5,8 +5,8 @@ from typing import Any, NamedTuple
 from server.rosbridge.compression import raw
 from server.rosbridge.conversion import MessageType
 from server.rosbridge.outgoing import outgoing
-from server.rosbridge.websocket.frames import frame
-from server.rosbridge.wire import dumps
+from server.websocket.frames import frame
+from server.websocket.requests import dumps
 
 
 class Form(NamedTuple):

@@ -4,7 +4,7 @@ import math
 import sys
 from dataclasses import dataclass, field
 
-from server.rosbridge.wire import Id, Request, RequestError, dumps
+from server.websocket.requests import Id, Request, RequestError, dumps
 
 # What a piece holds at least, whatever the client asks for: each has about 60 characters around it.
 MIN_FRAGMENT = 32  # characters

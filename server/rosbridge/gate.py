@@ -13,7 +13,7 @@ from laser_bot_battle.msg import GameStatus, Robot_msg
 from laser_bot_battle.names import GAME_STATUS, command_topic
 from server.rosbridge.globs import Globs
 from server.rosbridge.identity import Identity, People
-from server.rosbridge.wire import RequestError
+from server.websocket.requests import RequestError
 
 COMMAND_TYPE = Robot_msg._type
 STATUS_TYPE = GameStatus._type

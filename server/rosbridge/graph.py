@@ -14,7 +14,7 @@ from server.rosbridge.effects import (
     Replay,
 )
 from server.rosbridge.subscription import Subscription
-from server.rosbridge.wire import RequestError
+from server.websocket.requests import RequestError
 
 
 @dataclass(slots=True)

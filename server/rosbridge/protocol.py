@@ -10,7 +10,7 @@ from server.rosbridge.capabilities import CAPABILITIES
 from server.rosbridge.capabilities.service_offers import ServiceOffers
 from server.rosbridge.context import Context, TypeWantedError, UnsettledError
 from server.rosbridge.effects import Effect, FindType, Later, OpenSubscription, Replay
-from server.rosbridge.wire import Request, RequestError, brief, parse
+from server.websocket.requests import Request, RequestError, brief, parse
 
 # Requests of one client that wait for the types of their topics, or for its subscriptions.
 MAX_WAITING = 1000

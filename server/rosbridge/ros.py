@@ -12,12 +12,12 @@ from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import MessageType, ServiceType, Types
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import CallService, Response
-from server.rosbridge.wire import RequestError
 from server.tcpros.node import Node
 from server.tcpros.publisher import Publisher
 from server.tcpros.service import Service
 from server.tcpros.specs import ServiceError, ServiceSpec, TypeSpec
 from server.tcpros.subscriber import Subscriber
+from server.websocket.requests import RequestError
 
 _log = logging.getLogger(__name__)
 

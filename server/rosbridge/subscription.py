@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from server.rosbridge.compression import COMPRESSIONS
 from server.rosbridge.delivery import Delivery, Form
-from server.rosbridge.wire import Id
+from server.websocket.requests import Id
 
 
 class Terms(NamedTuple):

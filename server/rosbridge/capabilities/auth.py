@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.effects import Effect, Log
 from server.rosbridge.identity import Claim
-from server.rosbridge.wire import Request
+from server.websocket.requests import Request
 
 
 class Auth(Capability):

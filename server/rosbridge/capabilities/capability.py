@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 
 from server.rosbridge.context import Context
 from server.rosbridge.effects import Effect
-from server.rosbridge.wire import Request, RequestError, brief
+from server.websocket.requests import Request, RequestError, brief
 
 Handler = Callable[[Request, float], list[Effect]]  # (request, monotonic time in s); RequestError refuses the request
 

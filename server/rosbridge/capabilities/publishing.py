@@ -9,7 +9,7 @@ from server.rosbridge.conversion import MessageType
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import Effect, Publish
 from server.rosbridge.identity import SIGN_UP_GRACE
-from server.rosbridge.wire import Id, Request, RequestError
+from server.websocket.requests import Id, Request, RequestError
 
 MAX_TOPICS = 1000
 MAX_WAITING = 100  # topics that a newcomer has advertised too early

@@ -8,7 +8,7 @@ from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import Context
 from server.rosbridge.conversion import ServiceType
 from server.rosbridge.effects import Answer, CloseService, Effect, OpenService, Send
-from server.rosbridge.wire import Request, RequestError, brief, dumps
+from server.websocket.requests import Request, RequestError, brief, dumps
 
 MAX_SERVICES = 100  # that one client offers
 MAX_CALLS = 1000  # that wait for one client's answers

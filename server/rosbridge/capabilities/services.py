@@ -8,7 +8,7 @@ from server.rosbridge.compression import COMPRESSIONS
 from server.rosbridge.context import Context
 from server.rosbridge.effects import CallService, Effect, Response, Send
 from server.rosbridge.outgoing import outgoing
-from server.rosbridge.wire import MAX_NUMBER, Request, RequestError, brief, dumps, with_id
+from server.websocket.requests import MAX_NUMBER, Request, RequestError, brief, dumps, with_id
 
 MAX_CALLS = 100  # under way at once, for one client
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import SEVERITY
 from server.rosbridge.effects import Effect, Log
-from server.rosbridge.wire import Request, RequestError, brief
+from server.websocket.requests import Request, RequestError, brief
 
 
 class Status(Capability):

@@ -7,7 +7,7 @@ from server.rosbridge.compression import COMPRESSIONS
 from server.rosbridge.context import Context
 from server.rosbridge.effects import Effect, Replay
 from server.rosbridge.subscription import Subscription, Terms
-from server.rosbridge.wire import Request, RequestError
+from server.websocket.requests import Request, RequestError
 
 MAX_TOPICS = 1000
 MAX_REQUESTS = 100  # for one topic

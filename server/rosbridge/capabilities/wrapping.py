@@ -7,7 +7,7 @@ from server.rosbridge.compression import from_png
 from server.rosbridge.context import Context
 from server.rosbridge.effects import Effect
 from server.rosbridge.fragments import Reassembly
-from server.rosbridge.wire import Request, RequestError, parse
+from server.websocket.requests import Request, RequestError, parse
 
 # Characters of all parts that wait for the rest: as much as one message may have.
 MAX_SIZE = 8 * 2**20

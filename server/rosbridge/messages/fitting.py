@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 import genpy
 
 from server.rosbridge.messages.layout import ANY_LENGTH, SCALARS, Scalar, is_bytes, refuse
-from server.rosbridge.wire import brief
+from server.websocket.requests import brief
 
 Now = Callable[[], genpy.Time]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NoReturn
 
-from server.rosbridge.wire import RequestError
+from server.websocket.requests import RequestError
 
 ARRAY = re.compile(r"(?P<element>[^\[]+)\[(?P<length>\d*)\]")
 ANY_LENGTH = -1

@@ -10,10 +10,10 @@ from typing import Any, Self
 from websockets.sync.client import ClientConnection, connect
 
 from server.rosbridge.identity import GUEST, OPERATOR, Identity
-from server.rosbridge.websocket.connection import Connection
-from server.rosbridge.websocket.frames import frame
-from server.rosbridge.websocket.places import Limits, Place, place_of
-from server.rosbridge.websocket.server import WebSocketServer
+from server.websocket.connection import Connection
+from server.websocket.frames import frame
+from server.websocket.limits import Limits, Place, place_of
+from server.websocket.server import WebSocketServer
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from server.rosbridge.fragments import Reassembly
-from server.rosbridge.wire import Request
+from server.websocket.requests import Request
 from tests.integration.rosbridge.ends import Client
 
 Connect = Callable[..., Client]

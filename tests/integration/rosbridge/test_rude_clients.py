@@ -9,7 +9,7 @@ import psutil
 import pytest
 from websockets.exceptions import ConnectionClosed
 
-from server.rosbridge.websocket.house import MAX_LINES_OF_ADDRESS
+from server.websocket.server_state import MAX_LINES_OF_ADDRESS
 from tests.integration.rosbridge.conftest import Rosbridge
 from tests.integration.rosbridge.ends import FORWARD, NEUTRAL, Client, RosSide, player
 from tests.integration.rosbridge.mute import MuteClient

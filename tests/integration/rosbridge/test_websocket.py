@@ -16,10 +16,10 @@ import uvloop
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.connection import Connection
 
-from server.rosbridge.websocket import connection as module
-from server.rosbridge.websocket import server as server_module
-from server.rosbridge.websocket.house import MAX_LINES_OF_ADDRESS, MAX_LOG_LINES
-from server.rosbridge.websocket.places import Limits
+from server.websocket import connection as module
+from server.websocket import server as server_module
+from server.websocket.limits import Limits
+from server.websocket.server_state import MAX_LINES_OF_ADDRESS, MAX_LOG_LINES
 from tests.integration.rosbridge.echo import EchoServer, LoopFactory
 from tests.integration.rosbridge.mute import MuteClient
 from tests.support import bare

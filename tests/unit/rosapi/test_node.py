@@ -9,8 +9,8 @@ from server.rosapi.handlers import Values
 from server.rosapi.node import serialized
 from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import Types
-from server.rosbridge.wire import RequestError
 from server.tcpros.specs import ServiceFailure
+from server.websocket.requests import RequestError
 
 TOPIC_TYPE = Types().service("rosapi/TopicType")
 REQUEST = TOPIC_TYPE.request.pack({"topic": "/chat"}, Clock().now)

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from server.rosapi.param_values import as_json, parameter
-from server.rosbridge.wire import RequestError
+from server.websocket.requests import RequestError
 
 
 @pytest.mark.parametrize("text", ["1", "-2147483648", "1.5", "true", '"a b"', "[1, [2.5]]", '{"a": {"b": []}}'])

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from server.rosbridge.compression import PNG_START, encode, from_png, raw, to_png
-from server.rosbridge.wire import RequestError
+from server.websocket.requests import RequestError
 
 OPERATION = {"op": "publish", "topic": "/chat", "msg": {"data": "häßlich \U0001f916"}}
 

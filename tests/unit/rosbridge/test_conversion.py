@@ -18,7 +18,7 @@ import std_msgs.msg
 
 import laser_bot_battle.msg
 from server.rosbridge.conversion import ConversionError, MessageType, Types
-from server.rosbridge.wire import dumps
+from server.websocket.requests import dumps
 
 NOW = genpy.Time(1000, 5)
 # Every kind of field: alone, in a list, in a list of fixed length, in a message and in lists of messages.

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from server.rosbridge.fragments import MAX_FRAGMENTS, PATIENCE, Reassembly, split
-from server.rosbridge.wire import Request, RequestError
+from server.websocket.requests import Request, RequestError
 
 TEXT = json.dumps({"op": "publish", "msg": {"data": 'häß"\\ \U0001f916' * 50}}, ensure_ascii=False)
 

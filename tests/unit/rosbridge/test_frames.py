@@ -9,7 +9,7 @@ from websockets.frames import Close
 from websockets.protocol import State
 from websockets.uri import parse_uri
 
-from server.rosbridge.websocket.frames import (
+from server.websocket.frames import (
     MAX_PARTS,
     FrameError,
     Frames,

@@ -16,7 +16,7 @@ from server.rosbridge.gate import Gate
 from server.rosbridge.globs import Globs
 from server.rosbridge.handshake import OwnPages
 from server.rosbridge.identity import FOREIGN_GUEST, GUEST, OPERATOR, session_identity
-from server.rosbridge.wire import RequestError
+from server.websocket.requests import RequestError
 
 AL, BO = session_identity("token-of-al"), session_identity("token-of-bo")
 # serialized: linear_x, angular_z, shoot

@@ -1,6 +1,6 @@
 """What becomes of messages that must wait for a slow client."""
 
-from server.rosbridge.websocket.outbox import MAX_MESSAGES, OVERHEAD, Outbox
+from server.websocket.outbox import MAX_MESSAGES, OVERHEAD, Outbox
 
 REPLIES = 10_000  # bytes
 

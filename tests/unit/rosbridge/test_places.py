@@ -1,7 +1,7 @@
 """Who may have how many sockets."""
 
 from server.rosbridge.identity import GUEST, OPERATOR, Identity
-from server.rosbridge.websocket.places import Limits, Place, Places, place_of
+from server.websocket.limits import Limits, Place, Places, place_of
 
 LIMITS = Limits(clients=10, kept=4, guests=3, player=2)
 PLAYER = Identity(session="al")

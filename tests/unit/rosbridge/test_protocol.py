@@ -22,7 +22,7 @@ from server.rosbridge.effects import (
 )
 from server.rosbridge.identity import GUEST, OPERATOR, session_identity
 from server.rosbridge.protocol import Client
-from server.rosbridge.wire import one_line
+from server.websocket.requests import one_line
 from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
 
 

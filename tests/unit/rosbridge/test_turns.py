@@ -6,8 +6,8 @@ from unittest.mock import Mock
 
 import pytest
 
-from server.rosbridge.websocket.pace import BUSY_RATE, TURN, WINDOW, Pace
-from server.rosbridge.websocket.turns import BUDGET, Turns
+from server.websocket.pace import BUSY_RATE, TURN, WINDOW, Pace
+from server.websocket.scheduling import BUDGET, Turns
 
 
 def rests(pace: Pace, rate: float, seconds: float = 1.0, work: float = 0.0001) -> list[float]:

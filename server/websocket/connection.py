@@ -9,11 +9,11 @@ from typing import Any
 from websockets.frames import Close, CloseCode
 
 from server.rosbridge.identity import Identity
-from server.rosbridge.websocket.frames import FrameError, Frames, Ping, Pong, close_frame, frame, ping_frame, pong_frame
-from server.rosbridge.websocket.house import READ, House
-from server.rosbridge.websocket.outbox import Outbox
-from server.rosbridge.websocket.places import Place
-from server.rosbridge.wire import one_line
+from server.websocket.frames import FrameError, Frames, Ping, Pong, close_frame, frame, ping_frame, pong_frame
+from server.websocket.limits import Place
+from server.websocket.outbox import Outbox
+from server.websocket.requests import one_line
+from server.websocket.server_state import READ, House
 
 _log = logging.getLogger(__name__)
 

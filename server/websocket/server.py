@@ -11,11 +11,11 @@ from typing import Self
 from websockets.frames import CloseCode
 
 from server.proxies import Network
-from server.rosbridge.websocket.connection import CLOSE_TIMEOUT
-from server.rosbridge.websocket.house import Bridge, House
-from server.rosbridge.websocket.opening import Identify, Opening
-from server.rosbridge.websocket.places import Limits, Places
-from server.rosbridge.websocket.turns import Turns
+from server.websocket.connection import CLOSE_TIMEOUT
+from server.websocket.limits import Limits, Places
+from server.websocket.opening import Identify, Opening
+from server.websocket.scheduling import Turns
+from server.websocket.server_state import Bridge, House
 
 OPEN_TIMEOUT = 5.0  # s for the handshake
 TICK = 0.5  # s between two looks at all clients

@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 from server.proxies import Network
 from server.rosbridge.identity import Identity
-from server.rosbridge.websocket.places import Place, Places
-from server.rosbridge.websocket.turns import Turns
+from server.websocket.limits import Place, Places
+from server.websocket.scheduling import Turns
 
 _log = logging.getLogger(__name__)
 

@@ -5,7 +5,7 @@ import time
 from collections import deque
 from typing import Protocol
 
-from server.rosbridge.websocket.pace import WINDOW, Pace
+from server.websocket.pace import WINDOW, Pace
 
 # What all workers that are not urgent have together in one turn. One of them may take somewhat longer.
 BUDGET = 0.003  # s

@@ -13,8 +13,8 @@ from websockets.server import ServerProtocol
 
 from server.proxies import FORWARDED, is_proxy, visitor
 from server.rosbridge.identity import Identity
-from server.rosbridge.websocket.connection import Connection
-from server.rosbridge.websocket.house import House
+from server.websocket.connection import Connection
+from server.websocket.server_state import House
 
 MAX_HEAD = 16 * 2**10  # bytes; a page's cookies for this host are in it
 END_OF_HEAD = b"\r\n\r\n"
