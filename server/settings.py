@@ -10,10 +10,10 @@ from sqlalchemy.exc import ArgumentError
 
 from laser_bot_battle import variables
 from laser_bot_battle.settings import SettingsError, Variable
+from server.access.operator_token import read_operator_token
+from server.access.proxies import Network, believed
 from server.game.rules import DECLARED, Rules
 from server.node import NodeSettings
-from server.operator_token import read_operator_token
-from server.proxies import Network, believed
 
 VARIABLES: tuple[Variable[Any], ...] = (
     variables.BIND,

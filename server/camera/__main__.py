@@ -8,12 +8,12 @@ from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import RELAY_NODE
 from laser_bot_battle.settings import read_or_exit
 from laser_bot_battle.watched import Owner, in_loop, watched
+from server.access.handshake import OwnPages, own_names
 from server.camera.relay import Relay, limits_of
 from server.camera.settings import VARIABLES, Settings
 from server.camera.sight import Sight
 from server.event_loop import live, ros_node, warn_of_arguments, work_in_loop
 from server.node import Node, read_arguments
-from server.rosbridge.handshake import OwnPages, own_names
 from server.websocket.server import WebSocketServer
 
 _log = logging.getLogger(__name__)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Self
 
 from laser_bot_battle import variables
+from server.access.operator_token import read_operator_token
+from server.access.proxies import Network, believed
 from server.node import NodeSettings
-from server.operator_token import read_operator_token
-from server.proxies import Network, believed
 
 VARIABLES = (
     variables.BIND,

@@ -1,7 +1,7 @@
 """Who sees what, by the newest /game_status (docs/protocol-camera.md)."""
 
 from laser_bot_battle.msg import GameStatus
-from server.rosbridge.identity import Identity, People
+from server.access.identity import Identity, People
 
 
 class Sight(People):

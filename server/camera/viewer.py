@@ -1,7 +1,7 @@
 """Somebody who looks: which camera's newest picture is next, and how many are on their way. Pure."""
 
+from server.access.identity import Claim, Identity
 from server.camera.picture import Picture
-from server.rosbridge.identity import Claim, Identity
 from server.websocket.requests import dumps
 
 CREDITS = 2  # pictures that may be on their way to a viewer

@@ -12,6 +12,7 @@ from prometheus_client.core import Metric
 
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, SHOTS
+from server.access.identity import OPERATOR, Identity
 from server.rosbridge.clock import Clock
 from server.rosbridge.context import OWN_TYPES
 from server.rosbridge.conversion import ConversionError, MessageType, Types
@@ -37,7 +38,6 @@ from server.rosbridge.effects import (
 from server.rosbridge.figures import Delays, figures, missing
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
-from server.rosbridge.identity import OPERATOR, Identity
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros

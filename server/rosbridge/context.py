@@ -5,13 +5,13 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 
 from laser_bot_battle.names import GAME_STATUS
+from server.access.identity import Claim, Identity
 from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import MessageType, Types
 from server.rosbridge.drivers import COMMAND_TOPICS, Drivers
 from server.rosbridge.effects import Effect, Log, Send
 from server.rosbridge.gate import COMMAND_TYPE, STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
-from server.rosbridge.identity import Claim, Identity
 from server.websocket.requests import Id, Request, RequestError, status
 
 SEVERITY = {"error": 1, "warning": 2, "info": 3, "none": 0}

@@ -3,9 +3,9 @@
 from collections.abc import Hashable
 
 from laser_bot_battle.names import ROBOT_IDS, command_topic
+from server.access.identity import Identity
 from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Gate
-from server.rosbridge.identity import Identity
 from server.rosbridge.shots import Shots
 
 COMMAND_TOPICS = frozenset(map(command_topic, ROBOT_IDS))

@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 from laser_bot_battle.msg import GameStatus, Robot_msg
 from laser_bot_battle.names import GAME_STATUS, command_topic
-from server.rosbridge.globs import Globs
-from server.rosbridge.identity import Identity, People
+from server.access.globs import Globs
+from server.access.identity import Identity, People
 from server.websocket.requests import RequestError
 
 COMMAND_TYPE = Robot_msg._type

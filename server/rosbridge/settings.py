@@ -6,10 +6,10 @@ from typing import Any, Self
 
 from laser_bot_battle import variables
 from laser_bot_battle.settings import Variable
+from server.access.globs import Globs
+from server.access.operator_token import read_operator_token
+from server.access.proxies import Network, believed
 from server.node import NodeSettings
-from server.operator_token import read_operator_token
-from server.proxies import Network, believed
-from server.rosbridge.globs import Globs
 
 VARIABLES = (
     variables.BIND,

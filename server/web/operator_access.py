@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from laser_bot_battle.names import session_digest
-from server.attempts import PERIOD, Attempts
+from server.access.attempts import PERIOD, Attempts
 
 COOKIE = "laserbot_operator"
 SESSION_LIFE = 12 * 3600  # s

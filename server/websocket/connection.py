@@ -8,7 +8,7 @@ from typing import Any
 
 from websockets.frames import Close, CloseCode
 
-from server.rosbridge.identity import Identity
+from server.access.identity import Identity
 from server.websocket.frames import FrameError, Frames, Ping, Pong, close_frame, frame, ping_frame, pong_frame
 from server.websocket.limits import Place
 from server.websocket.outbox import Outbox

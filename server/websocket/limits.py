@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Hashable
 from typing import NamedTuple
 
-from server.rosbridge.identity import Identity
+from server.access.identity import Identity
 
 
 class Limits(NamedTuple):

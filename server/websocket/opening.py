@@ -11,8 +11,8 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
-from server.proxies import FORWARDED, is_proxy, visitor
-from server.rosbridge.identity import Identity
+from server.access.identity import Identity
+from server.access.proxies import FORWARDED, is_proxy, visitor
 from server.websocket.connection import Connection
 from server.websocket.server_state import House
 

@@ -10,7 +10,7 @@ from typing import Self
 
 from websockets.frames import CloseCode
 
-from server.proxies import Network
+from server.access.proxies import Network
 from server.websocket.connection import CLOSE_TIMEOUT
 from server.websocket.limits import Limits, Places
 from server.websocket.opening import Identify, Opening

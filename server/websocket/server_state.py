@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from server.proxies import Network
-from server.rosbridge.identity import Identity
+from server.access.identity import Identity
+from server.access.proxies import Network
 from server.websocket.limits import Place, Places
 from server.websocket.scheduling import Turns
 

@@ -9,6 +9,7 @@ import pytest
 from flask.testing import FlaskClient
 
 from laser_bot_battle.names import GAME_STATUS
+from server.access.identity import GUEST, session_identity
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
@@ -21,7 +22,6 @@ from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Publish, Send
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
-from server.rosbridge.identity import GUEST, session_identity
 from server.rosbridge.protocol import Client
 from server.settings import Settings
 from server.web.app import create_app

@@ -8,9 +8,9 @@ rand, t, level, end) have no meaning here.
 import logging
 from collections.abc import Mapping
 
+from server.access.identity import Claim
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.effects import Effect, Log
-from server.rosbridge.identity import Claim
 from server.websocket.requests import Request
 
 

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from websockets.sync.client import ClientConnection, connect
 
-from server.rosbridge.identity import GUEST, OPERATOR, Identity
+from server.access.identity import GUEST, OPERATOR, Identity
 from server.websocket.connection import Connection
 from server.websocket.frames import frame
 from server.websocket.limits import Limits, Place, place_of

@@ -1,8 +1,8 @@
 """A viewer gets the newest picture, and no more than it can take."""
 
+from server.access.identity import GUEST
 from server.camera.picture import Picture
 from server.camera.viewer import Viewer
-from server.rosbridge.identity import GUEST
 
 
 def picture(number: int) -> Picture:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.rosbridge.globs import Globs
+from server.access.globs import Globs
 
 
 @pytest.mark.parametrize("globs", [Globs(), Globs((), (), ())])

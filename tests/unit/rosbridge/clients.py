@@ -5,13 +5,13 @@ import json
 from typing import Any
 
 from laser_bot_battle.msg import GameStatus, UserStatus
+from server.access.identity import OPERATOR, Identity
 from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import Types
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, FindType, Log, Send
 from server.rosbridge.gate import Gate
 from server.rosbridge.graph import Graph
-from server.rosbridge.identity import OPERATOR, Identity
 from server.rosbridge.protocol import Client
 
 # As roslib sends them.

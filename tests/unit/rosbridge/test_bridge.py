@@ -10,12 +10,12 @@ from typing import Any
 import pytest
 
 from laser_bot_battle.msg import GameStatus
+from server.access.identity import GUEST
 from server.rosbridge import bridge as module
 from server.rosbridge.bridge import Bridge
 from server.rosbridge.clock import Clock
 from server.rosbridge.conversion import Types
 from server.rosbridge.gate import Gate
-from server.rosbridge.identity import GUEST
 from server.tcpros.node import Node
 
 

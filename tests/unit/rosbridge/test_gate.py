@@ -10,12 +10,12 @@ from laser_bot_battle import variables
 from laser_bot_battle.msg import GameStatus, UserStatus
 from laser_bot_battle.names import operator_ticket, session_digest, session_ticket
 from laser_bot_battle.settings import SettingsError
+from server.access.globs import Globs
+from server.access.handshake import OwnPages
+from server.access.identity import FOREIGN_GUEST, GUEST, OPERATOR, session_identity
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Gate
-from server.rosbridge.globs import Globs
-from server.rosbridge.handshake import OwnPages
-from server.rosbridge.identity import FOREIGN_GUEST, GUEST, OPERATOR, session_identity
 from server.websocket.requests import RequestError
 
 AL, BO = session_identity("token-of-al"), session_identity("token-of-bo")

@@ -7,10 +7,10 @@ import time
 import pytest
 
 from laser_bot_battle.names import session_digest, session_ticket
+from server.access.identity import GUEST, OPERATOR, session_identity
 from server.rosbridge.capabilities.publishing import MAX_WAITING
 from server.rosbridge.effects import Log, OpenPublisher, Publish
 from server.rosbridge.gate import Gate
-from server.rosbridge.identity import GUEST, OPERATOR, session_identity
 from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
 
 CURVE = b"\x01\xff\x00"  # what PUBLISH says, serialized

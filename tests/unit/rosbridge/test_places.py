@@ -1,6 +1,6 @@
 """Who may have how many sockets."""
 
-from server.rosbridge.identity import GUEST, OPERATOR, Identity
+from server.access.identity import GUEST, OPERATOR, Identity
 from server.websocket.limits import Limits, Place, Places, place_of
 
 LIMITS = Limits(clients=10, kept=4, guests=3, player=2)

@@ -5,6 +5,7 @@ from typing import Any
 
 import pytest
 
+from server.access.identity import GUEST, OPERATOR, session_identity
 from server.rosbridge.compression import encode
 from server.rosbridge.effects import (
     CallService,
@@ -20,7 +21,6 @@ from server.rosbridge.effects import (
     Response,
     Send,
 )
-from server.rosbridge.identity import GUEST, OPERATOR, session_identity
 from server.rosbridge.protocol import Client
 from server.websocket.requests import one_line
 from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log

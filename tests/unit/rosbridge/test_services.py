@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from server.access.identity import GUEST
 from server.rosbridge.capabilities.service_offers import MAX_CALLS
 from server.rosbridge.effects import (
     Answer,
@@ -16,7 +17,6 @@ from server.rosbridge.effects import (
     Response,
     Send,
 )
-from server.rosbridge.identity import GUEST
 from server.rosbridge.offered_services import OfferedServices
 from tests.unit.rosbridge.clients import Server, error, say, without_log
 

@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 
 from laser_bot_battle.light import COOLDOWN, PLAIN_PERIOD
+from server.access.identity import Identity, session_identity
 from server.rosbridge.effects import Publish
-from server.rosbridge.identity import Identity, session_identity
 from server.rosbridge.shots import Shots
 from tests.unit.rosbridge.clients import TOKEN, Server, error, say
 

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from laser_bot_battle.msg import GameStatus, UserStatus
 from laser_bot_battle.names import is_operator_ticket, is_session_ticket, session_digest
-from server.attempts import Attempts
+from server.access.attempts import Attempts
 from server.websocket.requests import Id, RequestError
 
 # A client that has just signed up may be quicker here than the news of it on /game_status.

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from rosgraph.network import get_host_name
 
 from laser_bot_battle.names import SESSION_COOKIE
-from server.rosbridge.identity import FOREIGN_GUEST, GUEST, Identity, session_identity
+from server.access.identity import FOREIGN_GUEST, GUEST, Identity, session_identity
 
 # As browsers write them: RFC 6454 6.2 (Origin) and RFC 9110 7.2 (Host); names in any script come as xn--...
 _AUTHORITY = r"(?P<host>[a-z0-9._-]+|\[[0-9a-f:.]+\])(?::(?P<port>[0-9]{1,5}))?"
