@@ -2,10 +2,10 @@
 
 from typing import Any
 
+from server.messages.types import Types
 from server.rosapi.handlers import Handler, Values
 from server.rosapi.typedefs import class_typedefs, message_typedefs
 from server.rosbridge.clock import Clock
-from server.rosbridge.conversion import Types
 
 
 class Details:

@@ -5,9 +5,9 @@ from typing import Any
 
 from laser_bot_battle.master import MasterError
 from server.access.globs import Globs
+from server.messages.types import Types
 from server.rosapi.handlers import Handler, Values, global_name
 from server.rosapi.system_state import SystemState, action_servers, shown, used_by
-from server.rosbridge.conversion import Types
 from server.tcpros.node import Node
 from server.tcpros.specs import ServiceError
 from server.websocket.requests import RequestError

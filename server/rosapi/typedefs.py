@@ -7,8 +7,8 @@ Examples are the default values as Python writes them: "0", "0.0", "False", "", 
 import inspect
 from typing import Any
 
-from server.rosbridge.conversion import Types
-from server.rosbridge.messages.layout import SCALARS
+from server.messages.layout import SCALARS
+from server.messages.types import Types
 
 TypeDef = dict[str, Any]
 

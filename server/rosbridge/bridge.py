@@ -13,9 +13,9 @@ from prometheus_client.core import Metric
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, SHOTS
 from server.access.identity import OPERATOR, Identity
+from server.messages.types import ConversionError, MessageType, Types
 from server.rosbridge.clock import Clock
 from server.rosbridge.context import OWN_TYPES
-from server.rosbridge.conversion import ConversionError, MessageType, Types
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import (

@@ -7,7 +7,7 @@ import time
 import genpy
 
 from laser_bot_battle.master import MasterError
-from server.rosbridge.conversion import Types
+from server.messages.types import Types
 from server.tcpros.node import Node
 from server.tcpros.specs import TypeSpec
 

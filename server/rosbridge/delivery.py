@@ -2,8 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from server.messages.types import MessageType
 from server.rosbridge.compression import raw
-from server.rosbridge.conversion import MessageType
 from server.rosbridge.outgoing import outgoing
 from server.websocket.frames import frame
 from server.websocket.requests import dumps

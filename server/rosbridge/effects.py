@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from server.rosbridge.conversion import MessageType, ServiceType
+from server.messages.types import MessageType, ServiceType
 
 
 class Send(NamedTuple):

@@ -4,7 +4,7 @@ each of one client."""
 from collections.abc import Hashable, Iterable
 from dataclasses import dataclass, field
 
-from server.rosbridge.conversion import MessageType
+from server.messages.types import MessageType
 from server.rosbridge.effects import (
     ClosePublisher,
     CloseSubscription,

@@ -4,7 +4,7 @@ import asyncio
 import itertools
 from collections.abc import Callable, Sequence
 
-from server.rosbridge.conversion import ConversionError
+from server.messages.types import ConversionError
 from server.rosbridge.effects import Answer, Effect
 from server.rosbridge.protocol import Client
 from server.tcpros.specs import ServiceFailure

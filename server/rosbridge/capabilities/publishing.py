@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from server.access.identity import SIGN_UP_GRACE
+from server.messages.types import MessageType
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import Context, TypeWantedError, UnsettledError
-from server.rosbridge.conversion import MessageType
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import Effect, Publish
 from server.websocket.requests import Id, Request, RequestError

@@ -4,9 +4,9 @@ calls what a client offers."""
 from collections.abc import Mapping
 from typing import NamedTuple
 
+from server.messages.types import ServiceType
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import Context
-from server.rosbridge.conversion import ServiceType
 from server.rosbridge.effects import Answer, CloseService, Effect, OpenService, Send
 from server.websocket.requests import Request, RequestError, brief, dumps
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.rosbridge.conversion import Types
+from server.messages.types import Types
 
 UPSTREAM = {
     "DeleteParam": "c1f3d28f1b044c871e6eff2e9fc3c667",

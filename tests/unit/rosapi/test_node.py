@@ -5,10 +5,10 @@ import asyncio
 import pytest
 
 from laser_bot_battle.master import MasterError
+from server.messages.types import Types
 from server.rosapi.handlers import Values
 from server.rosapi.node import serialized
 from server.rosbridge.clock import Clock
-from server.rosbridge.conversion import Types
 from server.tcpros.specs import ServiceFailure
 from server.websocket.requests import RequestError
 

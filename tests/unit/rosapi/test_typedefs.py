@@ -2,8 +2,8 @@
 
 import pytest
 
+from server.messages.types import ConversionError, Types
 from server.rosapi.typedefs import class_typedefs, message_typedefs
-from server.rosbridge.conversion import ConversionError, Types
 
 TIME = {
     "type": "time",

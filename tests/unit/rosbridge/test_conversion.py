@@ -17,7 +17,7 @@ import pytest
 import std_msgs.msg
 
 import laser_bot_battle.msg
-from server.rosbridge.conversion import ConversionError, MessageType, Types
+from server.messages.types import ConversionError, MessageType, Types
 from server.websocket.requests import dumps
 
 NOW = genpy.Time(1000, 5)

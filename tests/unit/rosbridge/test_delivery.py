@@ -6,7 +6,7 @@ from typing import Any
 import cbor2
 import pytest
 
-from server.rosbridge.conversion import Types
+from server.messages.types import Types
 from server.rosbridge.delivery import Delivery, Form
 from server.rosbridge.subscription import Subscription, Terms
 

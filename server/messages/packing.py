@@ -4,10 +4,10 @@ import struct
 from collections.abc import Callable
 from typing import Any
 
-from server.rosbridge.messages import fitting
-from server.rosbridge.messages.fitting import FLOAT32_END, Now
-from server.rosbridge.messages.layout import ANY_LENGTH, Layout, Scalar
-from server.rosbridge.messages.source import Source
+from server.messages import fitting
+from server.messages.fitting import FLOAT32_END, Now
+from server.messages.layout import ANY_LENGTH, Layout, Scalar
+from server.messages.source import Source
 
 Pack = Callable[[Any, Now], bytes]
 

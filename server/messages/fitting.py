@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 import genpy
 
-from server.rosbridge.messages.layout import ANY_LENGTH, SCALARS, Scalar, is_bytes, refuse
+from server.messages.layout import ANY_LENGTH, SCALARS, Scalar, is_bytes, refuse
 from server.websocket.requests import brief
 
 Now = Callable[[], genpy.Time]

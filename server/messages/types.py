@@ -23,10 +23,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from server.rosbridge.messages.fitting import Now
-from server.rosbridge.messages.layout import ConversionError, Layout, layout_of
-from server.rosbridge.messages.packing import Pack, packer
-from server.rosbridge.messages.unpacking import CborValues, JsonText, Values, unpacker
+from server.messages.fitting import Now
+from server.messages.layout import ConversionError, Layout, layout_of
+from server.messages.packing import Pack, packer
+from server.messages.unpacking import CborValues, JsonText, Values, unpacker
 
 __all__ = ["ConversionError", "MessageType", "ServiceType", "Types"]
 

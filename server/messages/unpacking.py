@@ -8,8 +8,8 @@ from typing import Any
 
 from cbor2 import CBORTag
 
-from server.rosbridge.messages.layout import ANY_LENGTH, ConversionError, Layout, Scalar, is_bytes
-from server.rosbridge.messages.source import Source
+from server.messages.layout import ANY_LENGTH, ConversionError, Layout, Scalar, is_bytes
+from server.messages.source import Source
 
 # Elements without bytes, like std_msgs/Empty[], could be announced by the thousand million.
 MAX_EMPTY_ELEMENTS = 10_000

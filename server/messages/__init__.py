@@ -1,0 +1,1 @@
+"""ROS messages: what they are made of, and their bytes. Types are found by server.messages.types."""

@@ -1,1 +1,0 @@
-"""ROS messages: what they are made of, and their bytes. Types are found by server.rosbridge.conversion."""
