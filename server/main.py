@@ -21,7 +21,7 @@ from server.game.robot import Robots
 from server.game.saved import restore
 from server.game.state import State
 from server.health import RobotsHealth
-from server.node import Node, read_arguments
+from server.program.node import Node, read_arguments
 from server.pulse import Pulse
 from server.ros.health import HealthListener
 from server.ros.hits import Hits

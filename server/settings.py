@@ -13,7 +13,7 @@ from laser_bot_battle.settings import SettingsError, Variable
 from server.access.operator_token import read_operator_token
 from server.access.proxies import Network, believed
 from server.game.rules import DECLARED, Rules
-from server.node import NodeSettings
+from server.program.node import NodeSettings
 
 VARIABLES: tuple[Variable[Any], ...] = (
     variables.BIND,

@@ -111,7 +111,7 @@ class Demo:
             )
 
     def start_master(self) -> subprocess.Popen[bytes]:
-        return self.start("-m", "server.rosmaster", "-p", str(self.ports[ROS.name]), ros_ip=self.bind)
+        return self.start("-m", "server.ros.master", "-p", str(self.ports[ROS.name]), ros_ip=self.bind)
 
     def supervise(self) -> None:
         """Start the master again if it was ended; the nodes find it. Raises DemoError when roslaunch has ended, or the

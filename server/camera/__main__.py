@@ -12,8 +12,8 @@ from server.access.handshake import OwnPages, own_names
 from server.camera.relay import Relay, limits_of
 from server.camera.settings import VARIABLES, Settings
 from server.camera.sight import Sight
-from server.event_loop import live, ros_node, warn_of_arguments, work_in_loop
-from server.node import Node, read_arguments
+from server.program.event_loop import live, ros_node, warn_of_arguments, work_in_loop
+from server.program.node import Node, read_arguments
 from server.websocket.server import WebSocketServer
 
 _log = logging.getLogger(__name__)

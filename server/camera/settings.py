@@ -7,7 +7,7 @@ from typing import Self
 from laser_bot_battle import variables
 from server.access.operator_token import read_operator_token
 from server.access.proxies import Network, believed
-from server.node import NodeSettings
+from server.program.node import NodeSettings
 
 VARIABLES = (
     variables.BIND,

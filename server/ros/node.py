@@ -7,7 +7,7 @@ import rospy
 
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.rospy_guard import guard_rospy, guard_services
-from server.node import Node
+from server.program.node import Node
 
 
 @contextmanager

@@ -14,12 +14,12 @@ from laser_bot_battle.names import ROSAPI_NODE, ROSBRIDGE_NODE
 from laser_bot_battle.settings import read_or_exit
 from laser_bot_battle.watched import Owner, in_loop, watched
 from server.access.handshake import OwnPages, own_names
-from server.event_loop import live, ros_node, warn_of_arguments, work_in_loop
 from server.messages.types import Types
-from server.node import Node, read_arguments
+from server.program.clock import clock_of
+from server.program.event_loop import live, ros_node, warn_of_arguments, work_in_loop
+from server.program.node import Node, read_arguments
 from server.rosapi.node import start_rosapi
 from server.rosbridge.bridge import Bridge
-from server.rosbridge.clock import clock_of
 from server.rosbridge.gate import Gate
 from server.rosbridge.settings import OPTIONS, VARIABLES, Settings
 from server.websocket.server import WebSocketServer

@@ -14,7 +14,7 @@ from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, SHOTS
 from server.access.identity import OPERATOR, Identity
 from server.messages.types import ConversionError, MessageType, Types
-from server.rosbridge.clock import Clock
+from server.program.clock import Clock
 from server.rosbridge.context import OWN_TYPES
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from laser_bot_battle.names import GAME_STATUS
 from server.access.identity import Claim, Identity
 from server.messages.types import MessageType, Types
-from server.rosbridge.clock import Clock
+from server.program.clock import Clock
 from server.rosbridge.drivers import COMMAND_TOPICS, Drivers
 from server.rosbridge.effects import Effect, Log, Send
 from server.rosbridge.gate import COMMAND_TYPE, STATUS_TYPE, Gate

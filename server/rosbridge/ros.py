@@ -9,7 +9,7 @@ from contextlib import suppress
 
 from laser_bot_battle.master import MasterError
 from server.messages.types import MessageType, ServiceType, Types
-from server.rosbridge.clock import Clock
+from server.program.clock import Clock
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import CallService, Response
 from server.tcpros.node import Node

@@ -9,7 +9,7 @@ from laser_bot_battle.settings import Variable
 from server.access.globs import Globs
 from server.access.operator_token import read_operator_token
 from server.access.proxies import Network, believed
-from server.node import NodeSettings
+from server.program.node import NodeSettings
 
 VARIABLES = (
     variables.BIND,

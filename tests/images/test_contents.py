@@ -16,7 +16,7 @@ from tests.support.programs import ROOT
 DEBIAN = {"linux/amd64": "amd64", "linux/arm64": "arm64", "linux/arm/v7": "armhf"}
 OTHER_PROGRAMS = {
     "webserver": [
-        "python3 -m server.rosmaster --help",
+        "python3 -m server.ros.master --help",
         "python3 -m server.rosbridge --help",
         "python3 -m server.camera --help",
         "python3 -m server.announcer --help",
@@ -49,7 +49,7 @@ class Started(NamedTuple):
 @pytest.fixture(scope="module")
 def ros_master(version: str, network: str) -> Iterator[str]:
     """The URI of one that runs natively."""
-    words = ["python3", "-m", "server.rosmaster", "-p", "11311"]
+    words = ["python3", "-m", "server.ros.master", "-p", "11311"]
     with Container(f"webserver:{version}", "linux/amd64", *words, network=network, name="master"):
         yield "http://master:11311"
 

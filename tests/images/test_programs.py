@@ -32,7 +32,7 @@ class Programs:
         return self._stack.enter_context(container)
 
     def start_master(self, platform: str) -> list[Container]:
-        master = self.start("webserver", platform, "master", "python3", "-m", "server.rosmaster", "-p", "11311")
+        master = self.start("webserver", platform, "master", "python3", "-m", "server.ros.master", "-p", "11311")
         web = self.start("webserver", platform, "web", LASERBOT_DATA="/run/laserbot")
         bridge = self.start("webserver", platform, "rosbridge", "python3", "-m", "server.rosbridge")
         relay = self.start("webserver", platform, "relay", "python3", "-m", "server.camera")
@@ -67,7 +67,7 @@ def test_the_masters_services_become_healthy_and_end_quickly(
 
 
 def test_a_ros_master_whose_port_another_one_has_ends_and_says_so(version: str) -> None:
-    words = [f"webserver:{version}", "linux/amd64", "python3", "-m", "server.rosmaster", "-p", "11311"]
+    words = [f"webserver:{version}", "linux/amd64", "python3", "-m", "server.ros.master", "-p", "11311"]
     with Container(*words) as first:
         first.wait_until_healthy()
         with Container(*words, network=f"container:{first.id}") as second:

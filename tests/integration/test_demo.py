@@ -96,13 +96,13 @@ def test_a_killed_demo_takes_its_processes_with_it() -> None:
 @pytest.mark.slow
 def test_everybody_finds_the_way_back_after_the_ros_master_is_killed_in_a_battle() -> None:
     with Battle(robots=3, bots=1, LASERBOT_COUNTDOWN="1") as battle:
-        first_master = battle.pid("server.rosmaster")
+        first_master = battle.pid("server.ros.master")
         with Player(battle, "Ann") as ann, Player(battle, "Ben") as ben, Eyes(battle) as eyes:
             start(ann, ben)
             os.kill(first_master, signal.SIGKILL)
             until(lambda: battle.log.count("serving the game") == 2, 60, "the game server has the new master")
             until(lambda: fights_again(ann, ben, eyes), 90, "the same players fight again")
-        assert battle.pid("server.rosmaster") != first_master
+        assert battle.pid("server.ros.master") != first_master
         assert battle.program.output.count("The ROS master has ended: starting it again.") == 1
         below = descendants(battle.program.process.pid)
     assert [part for part in below if command_line(part)] == []

@@ -16,7 +16,7 @@ from tests.support.programs import ROOT
 
 # for two robots and a bot
 PROGRAMS = {
-    "server.rosmaster": 1,
+    "server.ros.master": 1,
     "server.main": 1,
     "server.rosbridge": 1,
     "server.camera": 1,
@@ -29,7 +29,7 @@ PROGRAMS = {
 ANNOUNCED = {"server.announcer": 1}
 TRACKED = {"sim.positions": 1}  # needs ROS, which the image of the simulator has not
 FRONT = {"server.front": 1}  # needs a port of root's; in a cluster it is a component
-MASTER_OF_A_LAN = {"server.rosmaster": 1, "server.main": 1, "server.rosbridge": 1, "server.camera": 1, **ANNOUNCED}
+MASTER_OF_A_LAN = {"server.ros.master": 1, "server.main": 1, "server.rosbridge": 1, "server.camera": 1, **ANNOUNCED}
 
 
 class Start(NamedTuple):
@@ -50,7 +50,7 @@ def launched(file: str, *arguments: str) -> list[Start]:
     path = str(next(ROOT.glob(f"*/launch/{file}.launch")))
     launch = roslaunch.config.load_config_default([(path, list(arguments))], 11311, assign_machines=False)
     nodes = [Start(shlex.split(node.args), dict(node.env_args)) for node in launch.nodes]
-    return [Start(["python3", "-m", "server.rosmaster"], {}), *nodes]  # roscore or sim/demo.py starts the master
+    return [Start(["python3", "-m", "server.ros.master"], {}), *nodes]  # roscore or sim/demo.py starts the master
 
 
 def composed(profile: str) -> list[Start]:

@@ -15,8 +15,8 @@ from server.game.referee import Referee
 from server.game.rules import Rules
 from server.health import RobotsHealth
 from server.messages.types import Types
+from server.program.clock import Clock
 from server.ros.status import to_message
-from server.rosbridge.clock import Clock
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, Publish, Send

@@ -38,7 +38,7 @@ class Recorder(Mapping[str, str]):
 ROS = {"ROS_MASTER_URI", "ROS_IP"}  # rospy and rosmaster read these themselves
 Reader = Callable[[Mapping[str, str]], Any]
 READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
-    "server.rosmaster": (LOG_LEVEL.read, lambda _: {ROS_PORT}, ROS),
+    "server.ros.master": (LOG_LEVEL.read, lambda _: {ROS_PORT}, ROS),
     "server.main": (WebSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.node.port}, ROS),
     "server.camera": (RelaySettings.from_env, lambda found: {found.node.port}, ROS),

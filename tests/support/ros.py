@@ -23,7 +23,7 @@ HOST = "127.0.0.1"
 class RosMaster:
     """The master's own; `env` is what ROS programs need in their environment to use it."""
 
-    PROGRAM: tuple[str, ...] = ("-m", "server.rosmaster")
+    PROGRAM: tuple[str, ...] = ("-m", "server.ros.master")
 
     def __init__(self, folder: Path) -> None:
         self.port = free_port()

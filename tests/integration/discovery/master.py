@@ -39,7 +39,7 @@ class LanMaster:
 
     def start(self) -> None:
         """Return when robots can register."""
-        ros = self._run("-m", "server.rosmaster", "-p", "11311")
+        ros = self._run("-m", "server.ros.master", "-p", "11311")
         self.start_server()
         self.announcer = self._run("-m", "server.announcer")
         self._others = [ros, self.announcer]

@@ -24,7 +24,7 @@ class Master:
     def __init__(self, machine: Machine, folder: Path) -> None:
         self.machine = machine
         self._folder = folder
-        self._started = [self._python("-m", "server.rosmaster", "-p", "11311")]
+        self._started = [self._python("-m", "server.ros.master", "-p", "11311")]
         until(self._listens, 10, "the ROS master")
 
     def start(self, module: str, on: Machine | None = None, **variables: str) -> Program:

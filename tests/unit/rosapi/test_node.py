@@ -6,9 +6,9 @@ import pytest
 
 from laser_bot_battle.master import MasterError
 from server.messages.types import Types
+from server.program.clock import Clock
 from server.rosapi.handlers import Values
 from server.rosapi.node import serialized
-from server.rosbridge.clock import Clock
 from server.tcpros.specs import ServiceFailure
 from server.websocket.requests import RequestError
 

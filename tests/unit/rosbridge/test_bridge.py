@@ -12,9 +12,9 @@ import pytest
 from laser_bot_battle.msg import GameStatus
 from server.access.identity import GUEST
 from server.messages.types import Types
+from server.program.clock import Clock
 from server.rosbridge import bridge as module
 from server.rosbridge.bridge import Bridge
-from server.rosbridge.clock import Clock
 from server.rosbridge.gate import Gate
 from server.tcpros.node import Node
 

@@ -10,7 +10,7 @@ from tests.support.ports import free_port
 # the signal comes at the worst moment: while the main thread holds the lock of what the signal is to set
 PROGRAM = """
 import signal, sys, threading
-from server.node import Node, NodeSettings
+from server.program.node import Node, NodeSettings
 
 class Unlucky(threading.Event):
     def wait(self, timeout=None):

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from laser_bot_battle import addresses
-from server.ros_address import choose, successor
+from server.program.ros_address import choose, successor
 
 HERE = "http://localhost:11311"
 Network = Callable[..., None]
@@ -18,7 +18,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     def has(*ips: str) -> None:
         lan = [addresses.LanAddress(ip, 24) for ip in ips]
         monkeypatch.setattr(addresses, "lan_addresses", lambda: lan)
-        monkeypatch.setattr("server.ros_address.own_addresses", lambda: {"127.0.0.1", *ips})
+        monkeypatch.setattr("server.program.ros_address.own_addresses", lambda: {"127.0.0.1", *ips})
 
     return has
 

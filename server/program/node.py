@@ -17,7 +17,7 @@ from typing import Any, Self
 from laser_bot_battle import variables
 from laser_bot_battle.master import Master, MasterWatch
 from laser_bot_battle.settings import Variable, describe
-from server.ros_address import settle
+from server.program.ros_address import settle
 
 _log = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ from contextlib import asynccontextmanager, contextmanager
 import uvloop
 
 from laser_bot_battle import alive
-from server.node import Node
+from server.program.node import Node
 from server.tcpros.node import Node as RosNode
 
 _log = logging.getLogger(__name__)

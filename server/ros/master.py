@@ -1,4 +1,4 @@
-"""Debian's ROS master with limits: `python3 -m server.rosmaster -p 11311`.
+"""Debian's ROS master with limits: `python3 -m server.ros.master -p 11311`.
 
 As `rosmaster --core`, but a peer that stalls or floods holds no thread for ever, no file of its log grows, and a port
 that is taken ends it.
@@ -29,15 +29,15 @@ _log = logging.getLogger(__name__)
 def main() -> int:
     """The program; returns its exit code."""
     parser = argparse.ArgumentParser(
-        prog="server.rosmaster",
+        prog="server.ros.master",
         description=__doc__,
         epilog=describe(LOG_LEVEL),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("-p", "--port", default=str(ROS_PORT), help="default %(default)s")
     place = port("--port", ROS_PORT, "")
-    number = read_or_exit("server.rosmaster", place.read, {place.name: parser.parse_args().port})
-    configure_logging(read_or_exit("server.rosmaster", LOG_LEVEL.read))
+    number = read_or_exit("server.ros.master", place.read, {place.name: parser.parse_args().port})
+    configure_logging(read_or_exit("server.ros.master", LOG_LEVEL.read))
     ends: SimpleQueue[int] = SimpleQueue()  # exit codes; handlers of signals may use it
     for end in (signal.SIGINT, signal.SIGTERM):
         signal.signal(end, lambda *_: ends.put(0))
