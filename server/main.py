@@ -14,15 +14,13 @@ from laser_bot_battle.master import Master
 from laser_bot_battle.names import SERVER_NODE
 from laser_bot_battle.settings import read_or_exit
 from laser_bot_battle.watched import Owner, watched
-from server.figures import figures
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.robot import Robots
+from server.game.robot_health import RobotsHealth
 from server.game.saved import restore
 from server.game.state import State
-from server.health import RobotsHealth
 from server.program.node import Node, read_arguments
-from server.pulse import Pulse
 from server.ros.health import HealthListener
 from server.ros.hits import Hits
 from server.ros.id_service_server import IdServiceServer
@@ -31,15 +29,17 @@ from server.ros.node import rospy_node
 from server.ros.orders import Orders
 from server.ros.positions import PositionsListener
 from server.ros.status import StatusPublisher
-from server.settings import VARIABLES, Settings
 from server.store.database import Database
 from server.store.log import EventLog
 from server.store.roster import Roster, take_over_file
 from server.web.app import create_app
 from server.web.fair_server import FairServer
+from server.web.metrics import figures
 from server.web.operator import create_operator
 from server.web.operator_access import Access
 from server.web.operator_api import create_operator_api
+from server.web.pulse import Pulse
+from server.web.settings import VARIABLES, Settings
 from server.web.watch import create_watch
 
 _log = logging.getLogger(__name__)

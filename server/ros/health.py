@@ -10,7 +10,7 @@ import rospy
 from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Health
 from laser_bot_battle.names import health_topic
-from server.health import Report, RobotsHealth
+from server.game.robot_health import Report, RobotsHealth
 from server.ros.robot_topics import Endpoint, RobotTopics
 
 

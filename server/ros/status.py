@@ -6,8 +6,8 @@ import rospy
 
 from laser_bot_battle.msg import GameEvent, GameStatus, UserStatus
 from laser_bot_battle.names import GAME_STATUS
+from server.game.robot_health import RobotsHealth
 from server.game.snapshot import Snapshot
-from server.health import RobotsHealth
 
 
 class StatusPublisher:

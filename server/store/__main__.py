@@ -13,9 +13,9 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from laser_bot_battle import variables
 from laser_bot_battle.settings import describe, read_or_exit
-from server.settings import database_url
 from server.store import backup, forget, versions
 from server.store.database import make_engine
+from server.web.settings import database_url
 
 _PROGRAM = "server.store"
 

@@ -7,13 +7,13 @@ from werkzeug.wrappers import Response as WerkzeugResponse
 from laser_bot_battle.hosts import policy_source
 from laser_bot_battle.names import FRONT_HEADER
 from server.game.loop import GameLoop
-from server.settings import Settings
 from server.store.results import Results
 from server.web import operator_api
 from server.web.api import cookie_session, create_api, reply
 from server.web.assets import asset, compress_page, with_assets
 from server.web.hosts import request_host, with_valid_host
 from server.web.results import create_results
+from server.web.settings import Settings
 from server.web.visitors import PROXIES
 from server.web.words import add_words
 

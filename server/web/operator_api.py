@@ -17,12 +17,12 @@ from flask import Blueprint, Response, abort, g, json, jsonify, request
 from laser_bot_battle.names import VERSION, operator_ticket
 from server.game import desk
 from server.game.loop import GameLoop
-from server.health import RobotsHealth
-from server.journal import Journals, NothingToReadError
-from server.settings import Settings
+from server.game.robot_health import RobotsHealth
 from server.store.database import AwayError, Database
 from server.store.log import EventLog, as_csv, as_json
+from server.web.journal import Journals, NothingToReadError
 from server.web.operator_access import COOKIE, NAMELESS, Access, TooManyError, WrongTokenError
+from server.web.settings import Settings
 from server.web.visitors import visitor_address
 
 PREFIX = "/operator/api/"

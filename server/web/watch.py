@@ -13,10 +13,10 @@ from markupsafe import Markup
 
 from laser_bot_battle.addresses import reachable_addresses
 from server.game.loop import GameLoop
+from server.game.robot_health import RobotsHealth
 from server.game.snapshot import Placing, Player, Snapshot
-from server.health import RobotsHealth
-from server.settings import Settings
 from server.web.hosts import request_host
+from server.web.settings import Settings
 
 
 def create_watch(game: GameLoop, settings: Settings, health: RobotsHealth) -> Blueprint:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from server.game.rules import Rules
-from server.settings import Settings
+from server.web.settings import Settings
 from tests.support.local_play import play_role, recap
 from tests.support.programs import ROOT
 

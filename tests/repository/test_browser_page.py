@@ -12,8 +12,8 @@ from laser_bot_battle.names import GAME_STATUS
 from server.access.identity import GUEST, session_identity
 from server.game.loop import GameLoop
 from server.game.referee import Referee
+from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
-from server.health import RobotsHealth
 from server.messages.types import Types
 from server.program.clock import Clock
 from server.ros.status import to_message
@@ -23,8 +23,8 @@ from server.rosbridge.effects import Effect, Publish, Send
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Client
-from server.settings import Settings
 from server.web.app import create_app
+from server.web.settings import Settings
 from server.web.watch import create_watch
 from tests.support.documents import blocks, page, table
 from tests.support.linked import add_linked_robot

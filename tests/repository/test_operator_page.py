@@ -5,14 +5,14 @@ from flask import Flask
 from server.game import desk
 from server.game.loop import GameLoop
 from server.game.referee import Referee
+from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
-from server.health import RobotsHealth
-from server.settings import Settings
 from server.store.database import Database
 from server.store.log import EventLog
 from server.web.operator import create_operator
 from server.web.operator_access import Access
 from server.web.operator_api import create_operator_api
+from server.web.settings import Settings
 from tests.support.documents import page, table
 
 PAGE = page("operator.md")

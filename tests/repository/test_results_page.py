@@ -3,10 +3,10 @@
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
-from server.settings import Settings
 from server.store.results import MAX_PLAYERS
 from server.web.app import create_app
 from server.web.results import MAX_SIZE, SIZE
+from server.web.settings import Settings
 from tests.support.documents import page, table
 
 

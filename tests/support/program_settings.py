@@ -12,7 +12,7 @@ from server.announcer.settings import Settings as AnnouncerSettings
 from server.camera.settings import Settings as RelaySettings
 from server.front.settings import FrontSettings
 from server.rosbridge.settings import Settings as RosbridgeSettings
-from server.settings import Settings as WebSettings
+from server.web.settings import Settings as WebSettings
 from sim.arena.settings import Settings as ArenaSettings
 from sim.bot_settings import Settings as BotSettings
 

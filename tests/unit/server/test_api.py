@@ -15,8 +15,8 @@ from server.game import events
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
-from server.settings import Settings
 from server.web.app import create_app
+from server.web.settings import Settings
 from tests.support.linked import add_linked_robot
 from tests.support.polling import until
 

@@ -7,9 +7,9 @@ import pytest
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
-from server.settings import Settings
 from server.web.app import create_app
 from server.web.assets import asset
+from server.web.settings import Settings
 
 
 def browser_of(**variables: str):

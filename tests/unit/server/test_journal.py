@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from server.journal import Journals, Line, NothingToReadError
+from server.web.journal import Journals, Line, NothingToReadError
 from tests.support.journals import KERNEL, from_container, write_journal
 
 NOW = 1_800_000_000.0

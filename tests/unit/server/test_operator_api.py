@@ -14,15 +14,15 @@ from sqlalchemy import URL
 from laser_bot_battle.names import is_operator_ticket
 from server.game.loop import GameLoop
 from server.game.referee import Referee
+from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
-from server.health import RobotsHealth
-from server.settings import Settings
 from server.store.database import Database
 from server.store.log import EventLog
 from server.web.app import create_app
 from server.web.operator import create_operator
 from server.web.operator_access import MAX_SESSIONS, SESSION_LIFE, Access
 from server.web.operator_api import create_operator_api
+from server.web.settings import Settings
 from tests.support.journals import KERNEL, from_container, write_journal
 from tests.support.linked import add_linked_robot
 from tests.support.polling import until

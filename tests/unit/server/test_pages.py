@@ -7,8 +7,8 @@ import pytest
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
-from server.settings import Settings
 from server.web.app import create_app
+from server.web.settings import Settings
 
 
 @pytest.fixture

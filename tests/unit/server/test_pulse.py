@@ -10,7 +10,7 @@ from waitress import wasyncore
 from waitress.server import BaseWSGIServer
 
 from laser_bot_battle import alive
-from server.pulse import Pulse
+from server.web.pulse import Pulse
 from tests.support.polling import until
 
 WORKERS = 2

@@ -16,12 +16,12 @@ from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.robot import HIT_INTERVAL
 from server.game.rules import Rules
-from server.settings import Settings
 from server.store.course import courses
 from server.store.database import Database
 from server.store.results import Results
 from server.web.app import create_app
 from server.web.results import create_results
+from server.web.settings import Settings
 from tests.support.polling import until
 
 EPOCH = 1_740_000_000  # what the wall's clock is ahead of the match's

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from laser_bot_battle.settings import SettingsError
-from server.settings import Settings
+from server.web.settings import Settings
 
 
 def test_the_defaults_are_the_manuals() -> None:

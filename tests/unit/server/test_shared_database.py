@@ -9,11 +9,11 @@ from sqlalchemy import URL, Connection, create_engine, text
 
 from server.game.referee import Referee
 from server.game.saved import restore
-from server.settings import Settings
 from server.store.database import Database, Kept
 from server.store.forget import forget
 from server.store.log import EventLog
 from server.store.results import Results
+from server.web.settings import Settings
 from tests.support.databases import rows
 from tests.support.polling import until
 from tests.support.postgres import Postgres, postgres

@@ -10,11 +10,11 @@ from laser_bot_battle.addresses import LanAddress
 from laser_bot_battle.msg import GameStatus, UserStatus
 from server.game.loop import GameLoop
 from server.game.referee import Referee
+from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
-from server.health import RobotsHealth
-from server.settings import Settings
 from server.web import watch
 from server.web.app import create_app
+from server.web.settings import Settings
 from server.web.watch import create_watch, players_address, public_status
 
 LAN = [LanAddress("192.168.7.4", 24), LanAddress("10.0.0.9", 8)]

@@ -8,9 +8,9 @@ import pytest
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
-from server.settings import Settings
 from server.web import words
 from server.web.app import create_app
+from server.web.settings import Settings
 
 CHOSEN = re.compile(r'<html lang="(\w*)"(?: data-theme="(\w*)")?>')
 

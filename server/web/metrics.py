@@ -7,7 +7,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 
 from laser_bot_battle.watched import counter, gauge, labelled
 from server.game.loop import GameLoop
-from server.health import WARNINGS, Report, RobotsHealth
+from server.game.robot_health import WARNINGS, Report, RobotsHealth
 
 
 class Reading(NamedTuple):
