@@ -15,19 +15,19 @@ from laser_bot_battle.names import SERVER_NODE
 from laser_bot_battle.settings import read_or_exit
 from laser_bot_battle.watched import Owner, watched
 from server.game.loop import GameLoop
+from server.game.persistence import restore
 from server.game.referee import Referee
 from server.game.robot import Robots
 from server.game.robot_health import RobotsHealth
-from server.game.saved import restore
 from server.game.state import State
 from server.program.node import Node, read_arguments
 from server.ros.health import HealthListener
 from server.ros.hits import Hits
 from server.ros.id_service_server import IdServiceServer
-from server.ros.links import Links
 from server.ros.node import rospy_node
-from server.ros.orders import Orders
 from server.ros.positions import PositionsListener
+from server.ros.presence import Links
+from server.ros.robot_commands import Orders
 from server.ros.status import StatusPublisher
 from server.store.database import Database
 from server.store.log import EventLog

@@ -9,9 +9,9 @@ from laser_bot_battle.names import RELAY_NODE
 from laser_bot_battle.settings import read_or_exit
 from laser_bot_battle.watched import Owner, in_loop, watched
 from server.access.handshake import OwnPages, own_names
+from server.camera.access import Sight
 from server.camera.relay import Relay, limits_of
 from server.camera.settings import VARIABLES, Settings
-from server.camera.sight import Sight
 from server.program.event_loop import live, ros_node, warn_of_arguments, work_in_loop
 from server.program.node import Node, read_arguments
 from server.websocket.server import WebSocketServer

@@ -12,11 +12,11 @@ from prometheus_client.core import Metric
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, ROBOT_IDS, camera_parameter
 from server.access.identity import Claim, Identity
+from server.camera.access import Sight
 from server.camera.budget import Budget, Meter
 from server.camera.camera import WAITING, Camera
-from server.camera.figures import Traffic, figures
+from server.camera.metrics import Traffic, figures
 from server.camera.picture import Picture
-from server.camera.sight import Sight
 from server.camera.viewer import Viewer
 from server.tcpros.node import Node
 from server.tcpros.specs import TypeSpec

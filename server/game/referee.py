@@ -15,12 +15,12 @@ from typing import Any
 
 from laser_bot_battle.light import DAMAGES
 from laser_bot_battle.names import Game
-from server.game import desk, events, seats, shown
+from server.game import desk, events, seats, views
 from server.game.events import Event, Recorded
 from server.game.overview import overview
+from server.game.persistence import save
 from server.game.robot import Robot
 from server.game.rules import Rules
-from server.game.saved import save
 from server.game.shooting import Shooting
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.state import State
@@ -170,7 +170,7 @@ class Referee:
         if known is not None:
             if known.session != old_session:
                 return Verdict.NAME_TAKEN, None
-            return (Verdict.OK if isinstance(known, User) else Verdict.QUEUED), shown.person(
+            return (Verdict.OK if isinstance(known, User) else Verdict.QUEUED), views.person(
                 known, self._state, self._rules, now
             )
         if any(is_same_name(name, banned) for banned in self._state.banned):
@@ -191,7 +191,7 @@ class Referee:
         self._settle_seats(now)
         claimed = self._named(name)
         assert claimed is not None
-        return (Verdict.OK if isinstance(claimed, User) else Verdict.QUEUED), shown.person(
+        return (Verdict.OK if isinstance(claimed, User) else Verdict.QUEUED), views.person(
             claimed, self._state, self._rules, now
         )
 
@@ -205,7 +205,7 @@ class Referee:
             if known.offer is None:
                 return Verdict.NO_OFFER, None
             self._decide(events.Seated(known.name), now)
-        return Verdict.OK, shown.player(self._state.users.user(known.name), self._state, self._rules, now)
+        return Verdict.OK, views.player(self._state.users.user(known.name), self._state, self._rules, now)
 
     def sign_out(self, name: str, session: str, now: float) -> Verdict:
         """OK, UNKNOWN_USER or NOT_YOURS. Allowed at any time, and to who waits."""
@@ -259,7 +259,7 @@ class Referee:
             return None
         known.seen = now
         self._due = min(self._due, now + self._rules.player_timeout, now + self._rules.seat_timeout)
-        return shown.person(known, self._state, self._rules, now)
+        return views.person(known, self._state, self._rules, now)
 
     # operators
 
@@ -325,7 +325,7 @@ class Referee:
         state = self._state
         is_old = (state.queue or self._uncounted) and now >= self._latest_at + FRESH
         if self._latest is None or is_old:
-            self._latest, self._latest_at, self._uncounted = shown.snapshot(state, self._rules, now), now, False
+            self._latest, self._latest_at, self._uncounted = views.snapshot(state, self._rules, now), now, False
         else:  # while nobody waits, no seat ends: time passes for the clock only
             self._latest = replace(self._latest, time_left=state.time_left(now))
         return self._latest

@@ -35,9 +35,9 @@ from server.rosbridge.effects import (
     Replay,
     Send,
 )
-from server.rosbridge.figures import Delays, figures, missing
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
+from server.rosbridge.metrics import Delays, figures, missing
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros

@@ -50,7 +50,7 @@ class Kept:
 
     robots: Mapping[str, int] = field(default_factory=dict)  # IDs by ROS names
     battles: int = 0  # number of the last one
-    state: Mapping[str, Any] | None = None  # see server.game.saved
+    state: Mapping[str, Any] | None = None  # see server.game.persistence
     saved_at: float = 0.0  # Unix time in s
 
 

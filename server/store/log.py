@@ -14,7 +14,7 @@ from sqlalchemy import select
 
 from server.game.events import Recorded, from_json, kind_of
 from server.store import schema
-from server.store.cells import harmless
+from server.store.csv_safety import harmless
 from server.store.database import AwayError, Database
 
 NEWEST = 50

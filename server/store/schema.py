@@ -103,7 +103,7 @@ state = Table(
     metadata,
     Column("id", Integer, primary_key=True),
     Column("at", Float, nullable=False),
-    Column("data", JSON, nullable=False),  # see server.game.saved
+    Column("data", JSON, nullable=False),  # see server.game.persistence
     _arena(),
     Index("state_of_arena", "arena", unique=True),
 )

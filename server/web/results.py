@@ -17,8 +17,8 @@ from typing import Any
 from flask import Blueprint, Response, make_response, render_template, request
 from jinja2.utils import htmlsafe_json_dumps
 
-from server.store.cells import harmless
 from server.store.course import Course
+from server.store.csv_safety import harmless
 from server.store.database import AwayError
 from server.store.results import Battle, BusyError, Fighter, Results, Standing
 from server.web.chart import draw

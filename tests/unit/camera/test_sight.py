@@ -4,7 +4,7 @@ import pytest
 
 from laser_bot_battle.msg import GameStatus, UserStatus
 from server.access.identity import FOREIGN_GUEST, GUEST, OPERATOR, Identity, session_identity
-from server.camera.sight import Sight
+from server.camera.access import Sight
 from tests.support.documents import page
 
 # al fights with robot 0, bo has robot 1 and looks on, cy has signed out

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
+from server.game.persistence import restore
 from server.game.referee import Referee, Verdict
 from server.game.robot import HIT_INTERVAL
 from server.game.rules import Rules
-from server.game.saved import restore
 from server.game.snapshot import Placing, Player, Snapshot
 
 

@@ -12,10 +12,10 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from server.game import desk, events
 from server.game.events import Recorded
 from server.game.light import DELAY, PULSE
+from server.game.persistence import restore
 from server.game.referee import Referee, Verdict
 from server.game.replay import replay
 from server.game.rules import Rules
-from server.game.saved import restore
 
 NAMES = st.sampled_from(["ada", "bob", "cy", "dee", "eve", "fay"])
 ROBOTS = st.integers(0, 3)

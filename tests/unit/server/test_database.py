@@ -12,8 +12,8 @@ from unittest.mock import Mock
 import pytest
 from sqlalchemy import URL, create_engine, insert, make_url, select, text, update
 
+from server.game.persistence import restore
 from server.game.referee import Referee
-from server.game.saved import restore
 from server.store import schema, versions
 from server.store.database import MAX_WAITING, Database, Kept
 from server.store.track import Floor, Piece

@@ -2,7 +2,7 @@
 
 import pytest
 
-from server.ros.links import drivers
+from server.ros.presence import drivers
 
 
 @pytest.mark.parametrize(

@@ -7,10 +7,10 @@ import pytest
 
 from server.game import desk, events
 from server.game.events import Event, Recorded, from_json, kind_of, to_json
+from server.game.persistence import restore
 from server.game.referee import Referee
 from server.game.replay import replay
 from server.game.rules import Rules
-from server.game.saved import restore
 
 
 def test_the_game_goes_on_as_it_was(match):

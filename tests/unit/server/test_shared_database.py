@@ -7,8 +7,8 @@ from contextlib import contextmanager
 import pytest
 from sqlalchemy import URL, Connection, create_engine, text
 
+from server.game.persistence import restore
 from server.game.referee import Referee
-from server.game.saved import restore
 from server.store.database import Database, Kept
 from server.store.forget import forget
 from server.store.log import EventLog
