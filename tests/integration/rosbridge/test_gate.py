@@ -20,8 +20,9 @@ Connect = Callable[..., Client]
 @pytest.fixture
 def duel(ros: RosSide, client: Connect) -> Iterator["Duel"]:
     """al and bo fight with robots 0 and 1, and both robots listen."""
-    yield Duel(ros, client)
-    ros.status(STOPPED)
+    duel = Duel(ros, client)
+    yield duel
+    duel.says(STOPPED)  # heard, or the next test's first word could be taken for this one's last
 
 
 class Duel:
