@@ -15,7 +15,7 @@ from laser_bot_battle import variables
 from laser_bot_battle.settings import describe, read_or_exit
 from server.store import backup, forget, versions
 from server.store.database import make_engine
-from server.web.settings import database_url
+from server.store.location import database_url
 
 _PROGRAM = "server.store"
 

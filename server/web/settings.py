@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from sqlalchemy import URL, make_url
-from sqlalchemy.exc import ArgumentError
+from sqlalchemy import URL
 
 from laser_bot_battle import variables
-from laser_bot_battle.settings import SettingsError, Variable
+from laser_bot_battle.settings import Variable
 from server.access.operator_token import read_operator_token
 from server.access.proxies import Network, believed
 from server.game.rules import DECLARED, Rules
 from server.program.node import NodeSettings
+from server.store.location import data_folder, database_url
 
 VARIABLES: tuple[Variable[Any], ...] = (
     variables.BIND,
@@ -58,7 +58,6 @@ class Settings:
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:
         """Read `environ`. SettingsError for an impossible value."""
-        data = _expanded(variables.DATA.read(environ))
         database, arena = database_url(environ), variables.ARENA_NAME.read(environ)
         journal = variables.JOURNAL.read(environ)
         return cls(
@@ -67,7 +66,7 @@ class Settings:
             relay_port=variables.RELAY.read(environ),
             view_port=variables.VIEW.read(environ),
             proxies=believed(environ),
-            data=data,
+            data=data_folder(environ),
             database=database,
             arena="" if database.drivername == "sqlite" else arena,
             roster=variables.ROSTER.read(environ),
@@ -75,29 +74,3 @@ class Settings:
             operator_token=read_operator_token(environ),
             journal=Path(journal) if journal else None,
         )
-
-
-def _expanded(folder: Path) -> Path:
-    try:
-        return folder.expanduser()
-    except RuntimeError:
-        raise SettingsError(f"LASERBOT_DATA={folder}: this user has no home folder: give a full path") from None
-
-
-def database_url(environ: Mapping[str, str]) -> URL:
-    """Where the database is. SettingsError for an impossible value."""
-    given = variables.DATABASE.read(environ)
-    if not given:
-        return URL.create("sqlite", database=str(_expanded(variables.DATA.read(environ)) / "laserbot.db"))
-    known = "postgresql://user:password@host/name or sqlite:////folder/file"
-    try:
-        url = make_url(given)
-    except ArgumentError:
-        raise SettingsError(f"LASERBOT_DATABASE is not {known}") from None
-    if url.drivername == "postgresql":
-        url = url.set(drivername="postgresql+pg8000")
-    if url.drivername not in ("sqlite", "postgresql+pg8000"):
-        raise SettingsError(f"LASERBOT_DATABASE begins with {url.drivername}: it must be {known}")
-    if url.drivername != "sqlite" and (others := url.query.keys() - {"unix_sock"}):
-        raise SettingsError(f"LASERBOT_DATABASE has the option {', '.join(sorted(others))}: only unix_sock is known")
-    return url
