@@ -11,19 +11,19 @@ from prometheus_client.core import Metric
 
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, ROBOT_IDS, camera_parameter
-from server.access.identity import Claim, Identity
+from server.access.identity import MAX_SECRET, Claim, Identity
 from server.camera.access import Sight
 from server.camera.budget import Budget, Meter
 from server.camera.camera import WAITING, Camera
 from server.camera.metrics import Traffic, figures
 from server.camera.picture import Picture
 from server.camera.viewer import Viewer
-from server.tcpros.node import Node
-from server.tcpros.specs import TypeSpec
 from server.websocket.connection import Connection
 from server.websocket.frames import frame
 from server.websocket.limits import Limits, Place, place_of
 from server.websocket.requests import Request, RequestError, brief, dumps, parse, status
+from tcpros.node import Node
+from tcpros.specs import TypeSpec
 
 _log = logging.getLogger(__name__)
 
@@ -102,7 +102,7 @@ class Relay:
 
     def _auth(self, viewer: Viewer, request: Request) -> None:
         name = request.optional_text("client", "operator")
-        viewer.claim = Claim(name, request.text("mac"), self._loop.time(), request.id)
+        viewer.claim = Claim(name, request.text("mac", MAX_SECRET), self._loop.time(), request.id)
         self._check(viewer)
 
     def _watch(self, viewer: Viewer, request: Request) -> None:

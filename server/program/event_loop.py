@@ -10,7 +10,7 @@ import uvloop
 
 from laser_bot_battle import alive
 from server.program.node import Node
-from server.tcpros.node import Node as RosNode
+from tcpros.node import Node as RosNode
 
 _log = logging.getLogger(__name__)
 

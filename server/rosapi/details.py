@@ -3,9 +3,9 @@
 from typing import Any
 
 from server.messages.types import Types
-from server.program.clock import Clock
 from server.rosapi.handlers import Handler, Values
 from server.rosapi.typedefs import class_typedefs, message_typedefs
+from tcpros.clock import Clock
 
 
 class Details:

@@ -8,9 +8,9 @@ from server.access.globs import Globs
 from server.messages.types import Types
 from server.rosapi.handlers import Handler, Values, global_name
 from server.rosapi.system_state import SystemState, action_servers, shown, used_by
-from server.tcpros.node import Node
-from server.tcpros.specs import ServiceError
 from server.websocket.requests import RequestError
+from tcpros.node import Node
+from tcpros.specs import ServiceError
 
 # A service's type is known to the service only: each is asked, some at the same time.
 ASKED_AT_ONCE = 16

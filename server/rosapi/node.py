@@ -6,14 +6,14 @@ from typing import Any
 from laser_bot_battle.master import MasterError
 from server.access.globs import Globs
 from server.messages.types import ServiceType, Types
-from server.program.clock import Clock
 from server.rosapi.details import Details
 from server.rosapi.handlers import NODE, Handler
 from server.rosapi.lookups import Lookups
 from server.rosapi.params import Params
-from server.tcpros.node import Node
-from server.tcpros.specs import ServiceFailure, ServiceSpec
 from server.websocket.requests import RequestError
+from tcpros.clock import Clock
+from tcpros.node import Node
+from tcpros.specs import ServiceFailure, ServiceSpec
 
 
 async def start_rosapi(node: Node, types: Types, clock: Clock, globs: Globs) -> None:

@@ -7,8 +7,8 @@ from laser_bot_battle.master import MasterError
 from server.access.globs import Globs
 from server.rosapi.handlers import Handler, Values, global_name, sendable
 from server.rosapi.param_values import as_json, parameter
-from server.tcpros.node import Node
 from server.websocket.requests import RequestError
+from tcpros.node import Node
 
 
 class Params:

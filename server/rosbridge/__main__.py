@@ -15,7 +15,6 @@ from laser_bot_battle.settings import read_or_exit
 from laser_bot_battle.watched import Owner, in_loop, watched
 from server.access.handshake import OwnPages, own_names
 from server.messages.types import Types
-from server.program.clock import clock_of
 from server.program.event_loop import live, ros_node, warn_of_arguments, work_in_loop
 from server.program.node import Node, read_arguments
 from server.rosapi.node import start_rosapi
@@ -23,6 +22,7 @@ from server.rosbridge.bridge import Bridge
 from server.rosbridge.gate import Gate
 from server.rosbridge.settings import OPTIONS, VARIABLES, Settings
 from server.websocket.server import WebSocketServer
+from tcpros.clock import clock_of
 
 _log = logging.getLogger(__name__)
 
@@ -46,7 +46,7 @@ def main() -> int:
 async def _talk(node: Node, settings: Settings, listener: socket.socket) -> None:
     types = Types()
     async with ros_node(node, ROSBRIDGE_NODE) as own_node, ros_node(node, ROSAPI_NODE) as rosapi_node:
-        clock = await clock_of(own_node, types)
+        clock = await clock_of(own_node)
         await start_rosapi(rosapi_node, types, clock, settings.globs)
         bridge = Bridge(own_node, types, clock, Gate(settings.operator_token, settings.globs), settings.is_open)
         pages = OwnPages(settings.web_port, settings.origins, own_names())

@@ -14,7 +14,6 @@ from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, SHOTS
 from server.access.identity import OPERATOR, Identity
 from server.messages.types import ConversionError, MessageType, Types
-from server.program.clock import Clock
 from server.rosbridge.context import OWN_TYPES
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
@@ -43,10 +42,11 @@ from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
 from server.rosbridge.shots import SHOT_TYPE
 from server.rosbridge.subscription import Subscription
-from server.tcpros.node import Node
 from server.websocket.connection import Connection
 from server.websocket.limits import Place, place_of
 from server.websocket.requests import RequestError, one_line
+from tcpros.clock import Clock
+from tcpros.node import Node
 
 _log = logging.getLogger(__name__)
 

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 from laser_bot_battle.names import GAME_STATUS
 from server.access.identity import Claim, Identity
 from server.messages.types import MessageType, Types
-from server.program.clock import Clock
 from server.rosbridge.drivers import COMMAND_TOPICS, Drivers
 from server.rosbridge.effects import Effect, Log, Send
 from server.rosbridge.gate import COMMAND_TYPE, STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.websocket.requests import Id, Request, RequestError, status
+from tcpros.clock import Clock
 
 SEVERITY = {"error": 1, "warning": 2, "info": 3, "none": 0}
 LOG_LEVELS = {"error": logging.WARNING, "warning": logging.INFO, "info": logging.INFO}

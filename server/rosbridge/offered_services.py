@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from server.messages.types import ConversionError
 from server.rosbridge.effects import Answer, Effect
 from server.rosbridge.protocol import Client
-from server.tcpros.specs import ServiceFailure
+from tcpros.specs import ServiceFailure
 
 
 class OfferedServices:

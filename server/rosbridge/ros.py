@@ -9,15 +9,15 @@ from contextlib import suppress
 
 from laser_bot_battle.master import MasterError
 from server.messages.types import MessageType, ServiceType, Types
-from server.program.clock import Clock
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import CallService, Response
-from server.tcpros.node import Node
-from server.tcpros.publisher import Publisher
-from server.tcpros.service import Service
-from server.tcpros.specs import ServiceError, ServiceSpec, TypeSpec
-from server.tcpros.subscriber import Subscriber
 from server.websocket.requests import RequestError
+from tcpros.clock import Clock
+from tcpros.node import Node
+from tcpros.publisher import Publisher
+from tcpros.service import Service
+from tcpros.specs import ServiceError, ServiceSpec, TypeSpec
+from tcpros.subscriber import Subscriber
 
 _log = logging.getLogger(__name__)
 

@@ -15,7 +15,6 @@ from server.game.referee import Referee
 from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
 from server.messages.types import Types
-from server.program.clock import Clock
 from server.ros.status import to_message
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
@@ -26,6 +25,7 @@ from server.rosbridge.protocol import Client
 from server.web.app import create_app
 from server.web.settings import Settings
 from server.web.watch import create_watch
+from tcpros.clock import Clock
 from tests.support.documents import blocks, page, table
 from tests.support.linked import add_linked_robot
 

@@ -20,9 +20,9 @@ from laser_bot_battle.master import MasterError
 from laser_bot_battle.msg import Robot_msg
 from laser_bot_battle.names import ADD_NEW_ROBOT, command_topic, response_topic, robot_node
 from laser_bot_battle.srv import AddNewRobot
-from server.tcpros.node import Node
-from server.tcpros.specs import ServiceError, TypeSpec
 from sim.lifecycle import first_of
+from tcpros.node import Node
+from tcpros.specs import ServiceError, TypeSpec
 
 PING = 0.4  # s
 WATCH = 1.0  # s between two looks at the ROS master

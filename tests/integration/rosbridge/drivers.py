@@ -24,9 +24,9 @@ from websockets.asyncio.client import ClientConnection, connect
 
 from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
 from laser_bot_battle.names import GAME_STATUS, command_topic, session_digest
-from server.tcpros.node import Node
-from server.tcpros.publisher import Publisher
-from server.tcpros.specs import TypeSpec
+from tcpros.node import Node
+from tcpros.publisher import Publisher
+from tcpros.specs import TypeSpec
 
 DRIVERS = 4
 LATE, VILLAIN = DRIVERS, DRIVERS + 1  # players as well, with robots of these numbers

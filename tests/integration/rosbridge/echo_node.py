@@ -5,8 +5,8 @@ import os
 
 from std_msgs.msg import String
 
-from server.tcpros.node import Node
-from server.tcpros.specs import TypeSpec
+from tcpros.node import Node
+from tcpros.specs import TypeSpec
 
 STRING = TypeSpec(String._type, String._md5sum, String._full_text)
 

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import uvloop
 
-from server.tcpros.node import Node
+from tcpros.node import Node
 from tests.integration.tcpros.ends import RospyPeer
 from tests.support.ros import HOST, RosMaster, own_master, ros_master
 

@@ -14,10 +14,10 @@ from typing import Any, TypeVar
 
 from std_msgs.msg import String
 
-from server.tcpros.blocks import Blocks
-from server.tcpros.header import LENGTH, decode, encode
-from server.tcpros.node import Node
-from server.tcpros.specs import TypeSpec
+from tcpros.blocks import Blocks
+from tcpros.header import LENGTH, decode, encode
+from tcpros.node import Node
+from tcpros.specs import TypeSpec
 from tests.support.polling import LATEST, Patience, until
 from tests.support.programs import ROOT
 

@@ -11,10 +11,10 @@ from urllib.parse import urlsplit
 import pytest
 
 from laser_bot_battle.master import MasterError
-from server.tcpros import inbound, sockets, xmlrpc_server
-from server.tcpros.node import Node
-from server.tcpros.outgoing import MAX_WAITING, MAX_WAITING_BYTES
-from server.tcpros.specs import ServiceSpec, TypeSpec
+from tcpros import inbound, sockets, xmlrpc_server
+from tcpros.node import Node
+from tcpros.outgoing import MAX_WAITING, MAX_WAITING_BYTES
+from tcpros.specs import ServiceSpec, TypeSpec
 from tests.integration.tcpros.conftest import Scenario, StartNode
 from tests.integration.tcpros.ends import STRING, RawPeer, RospyPeer, eventually, registered, text
 from tests.support.ros import RosMaster

@@ -9,7 +9,7 @@ import pytest
 from roscpp.srv import SetLoggerLevel, SetLoggerLevelRequest  # type: ignore[import-untyped]
 
 from laser_bot_battle.srv import AddNewRobot, AddNewRobotResponse
-from server.tcpros.specs import ServiceError, ServiceFailure, ServiceSpec
+from tcpros.specs import ServiceError, ServiceFailure, ServiceSpec
 from tests.integration.tcpros.conftest import Scenario, StartNode
 from tests.integration.tcpros.ends import RawPeer, RospyPeer, eventually, registered
 from tests.support.polling import LATEST

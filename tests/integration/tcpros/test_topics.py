@@ -8,8 +8,8 @@ from functools import partial
 
 import pytest
 
-from server.tcpros import publisher
-from server.tcpros.specs import TypeSpec
+from tcpros import publisher
+from tcpros.specs import TypeSpec
 from tests.integration.tcpros.conftest import Scenario, StartNode
 from tests.integration.tcpros.ends import STRING, RospyPeer, eventually, registered, text, value
 from tests.support.ros import RosMaster
@@ -188,7 +188,7 @@ def test_a_topic_of_another_type_is_not_received_and_it_is_said_once(
             assert wrong.connections == 0
 
     peer.advertise(topic, True)
-    with caplog.at_level(logging.WARNING, "server.tcpros"):
+    with caplog.at_level(logging.WARNING, "tcpros"):
         run(scenario)
     (record,) = caplog.records
     assert f"/ours gets no {topic} from http://" in record.getMessage()

@@ -6,11 +6,11 @@ import pytest
 
 from laser_bot_battle.master import MasterError
 from server.messages.types import Types
-from server.program.clock import Clock
 from server.rosapi.handlers import Values
 from server.rosapi.node import serialized
-from server.tcpros.specs import ServiceFailure
 from server.websocket.requests import RequestError
+from tcpros.clock import Clock
+from tcpros.specs import ServiceFailure
 
 TOPIC_TYPE = Types().service("rosapi/TopicType")
 REQUEST = TOPIC_TYPE.request.pack({"topic": "/chat"}, Clock().now)

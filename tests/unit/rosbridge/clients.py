@@ -7,12 +7,12 @@ from typing import Any
 from laser_bot_battle.msg import GameStatus, UserStatus
 from server.access.identity import OPERATOR, Identity
 from server.messages.types import Types
-from server.program.clock import Clock
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Effect, FindType, Log, Send
 from server.rosbridge.gate import Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Client
+from tcpros.clock import Clock
 
 # As roslib sends them.
 ADVERTISE = (

@@ -12,11 +12,11 @@ import pytest
 from laser_bot_battle.msg import GameStatus
 from server.access.identity import GUEST
 from server.messages.types import Types
-from server.program.clock import Clock
 from server.rosbridge import bridge as module
 from server.rosbridge.bridge import Bridge
 from server.rosbridge.gate import Gate
-from server.tcpros.node import Node
+from tcpros.clock import Clock
+from tcpros.node import Node
 
 
 def test_a_client_that_has_gone_while_a_throttled_message_waited_is_forgotten() -> None:

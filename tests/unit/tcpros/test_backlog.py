@@ -1,6 +1,6 @@
 """What waits for a subscriber that does not read."""
 
-from server.tcpros.outgoing import MAX_WAITING, MAX_WAITING_BYTES, Backlog
+from tcpros.outgoing import MAX_WAITING, MAX_WAITING_BYTES, Backlog
 
 
 def test_the_oldest_give_way_by_number() -> None:

@@ -4,8 +4,8 @@ import random
 
 import pytest
 
-from server.tcpros.blocks import MAX_LENGTH, BlockError, Blocks
-from server.tcpros.header import LENGTH
+from tcpros.blocks import MAX_LENGTH, BlockError, Blocks
+from tcpros.header import LENGTH
 
 
 def test_messages_come_out_whole_however_the_stream_is_cut() -> None:

@@ -3,7 +3,7 @@
 import pytest
 import rosgraph.network
 
-from server.tcpros.header import HeaderError, decode, encode
+from tcpros.header import HeaderError, decode, encode
 
 FIELDS = {"callerid": "/a", "md5sum": "*", "message_definition": "string a=b\nstring ü\n", "empty": ""}
 

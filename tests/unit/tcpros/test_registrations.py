@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from laser_bot_battle.master import MasterError
-from server.tcpros import registrations
-from server.tcpros.registrations import Registration, Registrations
+from tcpros import registrations
+from tcpros.registrations import Registration, Registrations
 
 URI = "http://node/"
 

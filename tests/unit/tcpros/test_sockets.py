@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 import uvloop
 
-from server.tcpros.sockets import connect, describe, streams
+from tcpros.sockets import connect, describe, streams
 
 
 def test_the_connection_of_a_peer_that_has_just_gone_can_be_described() -> None:

@@ -5,15 +5,16 @@ import struct
 import time
 
 import genpy
+from rosgraph_msgs.msg import Clock as ClockMessage
 
 from laser_bot_battle.master import MasterError
-from server.messages.types import Types
-from server.tcpros.node import Node
-from server.tcpros.specs import TypeSpec
+from tcpros.node import Node
+from tcpros.specs import TypeSpec
 
 _log = logging.getLogger(__name__)
 
 _TIME = struct.Struct("<II")  # s, ns
+CLOCK = TypeSpec(ClockMessage._type, ClockMessage._md5sum, ClockMessage._full_text)
 
 
 class Clock:
@@ -32,7 +33,7 @@ class Clock:
         self._simulated = nanoseconds
 
 
-async def clock_of(node: Node, types: Types) -> Clock:
+async def clock_of(node: Node) -> Clock:
     """With the parameter /use_sim_time the clock follows /clock, and stands at 0 until that comes, as rospy's does."""
     clock = Clock()
     try:
@@ -40,16 +41,15 @@ async def clock_of(node: Node, types: Types) -> Clock:
     except MasterError:  # it is not set
         simulated = False
     except OSError as error:
-        _log.warning("the ROS master does not tell /use_sim_time, so wall time it is: %s", error)
+        _log.warning("the ROS master does not say whether /use_sim_time is set, so wall time is used: %s", error)
         simulated = False
     if simulated:
-        kind = types.message("rosgraph_msgs/Clock")
         clock.simulate(0)
 
         def tick(data: bytes, _: object) -> None:
             seconds, nanoseconds = _TIME.unpack(data)
             clock.simulate(seconds * 10**9 + nanoseconds)
 
-        node.subscribe("/clock", TypeSpec(kind.name, kind.md5sum, kind.definition), tick)
+        node.subscribe("/clock", CLOCK, tick)
         _log.info("time is that of /clock: /use_sim_time is set")
     return clock
