@@ -8,7 +8,6 @@ from typing import NamedTuple
 from laser_bot_battle.msg import GameStatus, UserStatus
 from laser_bot_battle.names import is_operator_ticket, is_session_ticket, session_digest
 from server.access.attempts import Attempts
-from server.websocket.requests import Id, RequestError
 
 # A client that has just signed up may be quicker here than the news of it on /game_status.
 SIGN_UP_GRACE = 2.0  # s
@@ -33,6 +32,10 @@ def session_identity(token: str) -> Identity:
     return Identity(session=session_digest(token))
 
 
+class AttemptsError(Exception):
+    """No operator token from this address is looked at now; the text tells the client so."""
+
+
 class People:
     """Who is signed in, by the newest /game_status, and who proves to be whom."""
 
@@ -51,12 +54,12 @@ class People:
         return self._players.get(who.session)
 
     def is_operator_token(self, token: str, address: str, now: float) -> bool:
-        """Whether it is the token, or a ticket of it. RequestError, whatever it is, after too many wrong ones from that
-        address."""
+        """Whether it is the token, or a ticket of it. AttemptsError, whatever it is, after too many wrong ones from
+        that address."""
         if not self._operator_token:
             return False
         if not self._attempts.allowed(address, now):
-            raise RequestError("too many wrong operator tokens came from your address: try again in a few seconds")
+            raise AttemptsError("too many wrong operator tokens came from your address: try again in a few seconds")
         is_token = hmac.compare_digest(token.encode(errors="replace"), self._operator_token.encode())
         if is_token or is_operator_ticket(token, self._operator_token, self._clock()):
             return True
@@ -84,10 +87,8 @@ class Verdict(NamedTuple):
 class Claim:
     """To be somebody, by a secret that is not known yet, or has not been looked at. Time is a monotonic clock in s."""
 
-    def __init__(self, name: str, secret: str, now: float, request: Id = None) -> None:
-        """`request` is the id of the client's request. RequestError for a secret that can be none."""
-        if len(secret) > MAX_SECRET:
-            raise RequestError(f"the field 'mac' has more than {MAX_SECRET} characters")
+    def __init__(self, name: str, secret: str, now: float, request: str | int | None = None) -> None:
+        """`secret` has MAX_SECRET characters or fewer; `request` is the id of the client's request."""
         self._name, self._secret, self.request = name, secret, request
         self._until = now + SIGN_UP_GRACE
         # the secret has not been compared with the operators' token yet
@@ -101,7 +102,7 @@ class Claim:
         if identity is None and self._may_be_operator:
             try:
                 is_operator = people.is_operator_token(self._secret, address, now)
-            except RequestError as error:  # its turn may come while the claim waits
+            except AttemptsError as error:  # its turn may come while the claim waits
                 refusal = str(error)
             else:
                 self._may_be_operator = False

@@ -41,11 +41,13 @@ class Request:
             raise RequestError("the id has half a surrogate pair")
         self.id: Id = given
 
-    def text(self, name: str) -> str:
-        """A string that must be there."""
+    def text(self, name: str, most: int | None = None) -> str:
+        """A string that must be there, of so many characters at most."""
         value = self.fields.get(name)
         if type(value) is not str:
             raise RequestError(f"the field {name!r} must be a string, {self._given(name)}")
+        if most is not None and len(value) > most:
+            raise RequestError(f"the field {name!r} has more than {most} characters")
         return value
 
     def ros_name(self, name: str) -> str:

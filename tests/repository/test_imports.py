@@ -34,13 +34,28 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
     TopologicalSorter({name: set(imports(tree)) & trees.keys() for name, tree in trees.items()}).prepare()
 
 
+def test_no_room_imports_itself_by_way_of_others() -> None:
+    """A room is a folder of the server, or another program's folder as a whole."""
+    arrows: dict[str, set[str]] = {}
+    trees = modules()
+    for name, tree in trees.items():
+        arrows.setdefault(room(name), set()).update(room(other) for other in imports(tree) if other in trees)
+    assert {"server.websocket", "server.access"} <= arrows["server.rosbridge"]
+    TopologicalSorter({of: others - {of} for of, others in arrows.items()}).prepare()
+
+
+def room(module: str) -> str:
+    parts = module.split(".")
+    return ".".join(parts[:2]) if parts[0] == "server" else parts[0]
+
+
 def test_no_import_is_for_the_type_checker_only() -> None:
     assert not [name for name, tree in modules().items() if "typing.TYPE_CHECKING" in imports(tree)]
 
 
 def test_master_and_robot_share_nothing_but_the_contract_and_nobody_needs_the_simulation() -> None:
     forbidden = {"server": {"robot", "sim"}, "robot": {"server", "sim"}, "sim": {"server", "robot"}}
-    forbidden["laser_bot_battle"] = set(forbidden)
+    forbidden["laser_bot_battle"] = forbidden["tcpros"] = set(forbidden)
     for name, tree in modules().items():
         rooms = {imported.split(".")[0] for imported in imports(tree)}
         assert not rooms & forbidden[name.split(".")[0]], name

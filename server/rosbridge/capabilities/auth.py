@@ -8,7 +8,7 @@ rand, t, level, end) have no meaning here.
 import logging
 from collections.abc import Mapping
 
-from server.access.identity import Claim
+from server.access.identity import MAX_SECRET, Claim
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.effects import Effect, Log
 from server.websocket.requests import Request
@@ -19,7 +19,7 @@ class Auth(Capability):
         return {"auth": self.auth}
 
     def auth(self, request: Request, now: float) -> list[Effect]:
-        self.client.claim = Claim(request.text("client"), request.text("mac"), now, request.id)
+        self.client.claim = Claim(request.text("client"), request.text("mac", MAX_SECRET), now, request.id)
         return self.updated(now)
 
     def updated(self, now: float) -> list[Effect]:
