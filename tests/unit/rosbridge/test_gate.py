@@ -12,7 +12,7 @@ from laser_bot_battle.names import operator_ticket, session_digest, session_tick
 from laser_bot_battle.settings import SettingsError
 from server.access.globs import Globs
 from server.access.handshake import OwnPages
-from server.access.identity import FOREIGN_GUEST, GUEST, OPERATOR, session_identity
+from server.access.identity import FOREIGN_GUEST, GUEST, OPERATOR, AttemptsError, session_identity
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import Publish
 from server.rosbridge.gate import Gate
@@ -190,7 +190,7 @@ def test_who_guesses_the_operators_token_is_slowed_down_and_nobody_else() -> Non
     for guess in range(5):
         assert not rules.is_operator_token(f"guess {guess}", "10.0.0.1", 0.0)
     for now in (0.0, 0.9):
-        with pytest.raises(RequestError, match="too many wrong operator tokens"):
+        with pytest.raises(AttemptsError, match="too many wrong operator tokens"):
             rules.is_operator_token("operator token", "10.0.0.1", now)
     assert rules.is_operator_token("operator token", "10.0.0.2", 0.0)
     assert not rules.is_operator_token("one more", "10.0.0.1", 1.0)
