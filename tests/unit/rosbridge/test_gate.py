@@ -194,7 +194,7 @@ def test_who_guesses_the_operators_token_is_slowed_down_and_nobody_else() -> Non
             rules.is_operator_token("operator token", "10.0.0.1", now)
     assert rules.is_operator_token("operator token", "10.0.0.2", 0.0)
     assert not rules.is_operator_token("one more", "10.0.0.1", 1.0)
-    with pytest.raises(RequestError):
+    with pytest.raises(AttemptsError):
         rules.is_operator_token("and another", "10.0.0.1", 1.0)
     assert rules.is_operator_token("operator token", "10.0.0.1", 2.0)
 
@@ -205,7 +205,7 @@ def test_the_memory_of_guesses_is_bounded() -> None:
         for _ in range(5):
             rules.is_operator_token("guess", f"10.0.{number // 256}.{number % 256}", 0.0)
     assert not rules.is_operator_token("guess", "10.0.0.0", 0.0)
-    with pytest.raises(RequestError):
+    with pytest.raises(AttemptsError):
         rules.is_operator_token("guess", "10.0.3.232", 0.0)
 
 
