@@ -25,13 +25,13 @@ with missing_explained():
     from laser_bot_battle.announcement import NoArenaError
     from laser_bot_battle.place import Place
     from laser_bot_battle.settings import describe
-    from robot.children import RegistrationError, SerialNode, register
-    from robot.find_arduino import ArduinoLostError, find_arduino
+    from robot.master_location import Lookout, MovedError, ReaddressedError, Whereabouts
     from robot.ping_thread import PingThread
-    from robot.serial_port import PortError, probe
+    from robot.serial.find_arduino import ArduinoLostError, find_arduino
+    from robot.serial.port import PortError, probe
     from robot.settings import Settings
     from robot.status_led import Indication, State, status_led
-    from robot.whereabouts import Lookout, MovedError, ReaddressedError, Whereabouts
+    from robot.subprocesses import RegistrationError, SerialNode, register
 
 require(
     "rospy", "rosgraph", "genpy", "std_msgs", "laser_bot_battle.msg._Robot_msg"

@@ -24,8 +24,8 @@ with missing_explained():
     from laser_bot_battle.ros_environment import ros_environment
     from laser_bot_battle.rospy_guard import guard_rospy
     from laser_bot_battle.srv import AddNewRobot
+    from robot.master_location import locate_once
     from robot.settings import Settings
-    from robot.whereabouts import locate_once
 
 WAIT = 4.0  # s for a server that is just starting
 CONNECT = 0.5  # s; after a change of address the ROS master may still name the server's old one

@@ -32,15 +32,15 @@ with missing_explained():
     from laser_bot_battle.ros_environment import ros_environment
     from laser_bot_battle.rospy_guard import guard_rospy, guard_services
     from laser_bot_battle.settings import describe
-    from robot.camera_address import tell_camera
-    from robot.find_arduino import ArduinoLostError, find_arduino
+    from robot.camera.address import tell_camera
     from robot.health import HealthThread
-    from robot.private_parameters import BadParameterError, PrivateParameters
-    from robot.serial_line import SerialLine
-    from robot.serial_port import BAUDRATE, PortError, SerialPort
+    from robot.master_location import locate_once
+    from robot.serial.find_arduino import ArduinoLostError, find_arduino
+    from robot.serial.line import SerialLine
+    from robot.serial.port import BAUDRATE, PortError, SerialPort
+    from robot.serial.private_parameters import BadParameterError, PrivateParameters
+    from robot.serial.waker import Waker
     from robot.settings import Settings
-    from robot.waker import Waker
-    from robot.whereabouts import locate_once
 
 _log = logging.getLogger(__name__)
 

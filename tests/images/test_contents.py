@@ -27,7 +27,7 @@ OTHER_PROGRAMS = {
         "python3 -m robot.camera --help",
         "ustreamer --version",
         "LD_PRELOAD=$(echo /usr/libexec/*/libcamera/v4l2-compat.so) ustreamer --version",
-        "python3 -c 'from robot.camera_settings import find_libcamera; print(find_libcamera().stat())'",
+        "python3 -c 'from robot.camera.settings import find_libcamera; print(find_libcamera().stat())'",
         "avrdude -c '?' -p m328p 2>&1 | grep -w arduino",
     ],
     "sim": ["avr_robot --help", "python3 -m sim.bot --help"],

@@ -3,14 +3,14 @@
 import pytest
 
 from laser_bot_battle.msg import BoardHealth, Hit, Robot_msg, Setup
-from robot.device_topics import serialised
 from robot.rosserial import ids
 from robot.rosserial.announcements import KINDS, MAX_TOPICS
 from robot.rosserial.events import DevicePublishes, DeviceSubscribes, Event, Message, Send
 from robot.rosserial.frame import Decoder, Frame, encode
 from robot.rosserial.host import Host
-from robot.serial_port import BAUDRATE
-from robot.transmit_queue import MAX_ANSWERS
+from robot.serial.device_topics import serialised
+from robot.serial.port import BAUDRATE
+from robot.serial.transmit_queue import MAX_ANSWERS
 from tests.support.documents import Row, page, table, value_of
 
 PAGE = page("protocol-serial.md")

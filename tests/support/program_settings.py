@@ -5,8 +5,8 @@ from typing import Any
 
 from laser_bot_battle.names import ROS_PORT
 from laser_bot_battle.variables import LOG_FORMAT, LOG_LEVEL
-from robot.camera_settings import VARIABLES as CAMERA
-from robot.camera_settings import CameraSettings
+from robot.camera.settings import VARIABLES as CAMERA
+from robot.camera.settings import CameraSettings
 from robot.settings import Settings as RobotSettings
 from server.announcer.settings import Settings as AnnouncerSettings
 from server.camera.settings import Settings as RelaySettings
@@ -45,7 +45,11 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
-    "robot.camera": (CameraSettings.from_env, lambda found: {found.port}, {variable.name for variable in CAMERA}),
+    "robot.camera": (
+        CameraSettings.from_env,
+        lambda found: {found.port},
+        {variable.name for variable in CAMERA},
+    ),
     "sim.arena": (ArenaSettings.from_env, lambda found: {found.view_port, found.link_port}, set()),
     "sim.bot": (BotSettings.read, lambda _: set(), set()),
 }

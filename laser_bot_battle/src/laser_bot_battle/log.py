@@ -24,7 +24,7 @@ _STRANGERS = (
     "rosmaster.",
     "rosout.",
     "xmlrpc.",
-    "robot.parameters.",
+    "robot.serial.parameters.",
 )
 BURST = 20
 PERIOD = 1.0  # s for each further line

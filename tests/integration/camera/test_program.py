@@ -10,7 +10,7 @@ from contextlib import ExitStack, contextmanager
 import pytest
 import requests
 
-from robot.camera_settings import NO_CAMERA
+from robot.camera.settings import NO_CAMERA
 from tests.integration.camera.conftest import STOPPED, Relay, tell_camera
 from tests.integration.rosbridge.ends import RosSide
 from tests.support.fake_camera import FakeCamera

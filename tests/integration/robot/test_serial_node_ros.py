@@ -12,10 +12,10 @@ import pytest
 
 from laser_bot_battle.master import Master
 from laser_bot_battle.msg import BoardHealth, Setup
-from robot.device_topics import serialised
 from robot.rosserial.announcements import MAX_TOPICS
 from robot.rosserial.frame import encode
 from robot.rosserial.topic_info import TopicInfo
+from robot.serial.device_topics import serialised
 from tests.integration.robot.conftest import Start, serve
 from tests.integration.robot.device import COMMAND, EMPTY, ROBOT_MSG, Device
 from tests.support.polling import LATEST, until

@@ -1,4 +1,4 @@
-from robot.dead_man import DeadMan
+from robot.serial.dead_man import DeadMan
 
 NEUTRAL = b"\0\0\0"
 FORWARD = b"\x01\0\0"

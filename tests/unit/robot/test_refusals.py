@@ -1,6 +1,6 @@
 import pytest
 
-from robot.refusals import refusal
+from robot.serial.name_rules import refusal
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-from robot.transmit_queue import MAX_ANSWERS, TransmitQueue
+from robot.serial.transmit_queue import MAX_ANSWERS, TransmitQueue
 
 
 def test_an_empty_queue_has_nothing_to_write() -> None:

@@ -9,8 +9,8 @@ import genpy
 import rosgraph.names
 import rospy
 
-from robot.message_types import message_class
 from robot.rosserial.topic_info import TopicInfo
+from robot.serial.message_types import message_class
 
 _log = logging.getLogger(__name__)
 

@@ -6,9 +6,9 @@ from collections.abc import Callable
 import rospy
 
 from laser_bot_battle.master import Master, MasterError
-from robot.errands import Errands
 from robot.rosserial import parameters
 from robot.rosserial.frame import HEADER
+from robot.serial.task_thread import Errands
 
 MAX_QUESTIONS = 8  # that wait; ros_lib asks one at a time, and then for 1 s
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import rospy
 
-from robot.device_topics import deserialised, serialised
-from robot.errands import Errands
-from robot.message_types import service_class
 from robot.rosserial.events import ServiceInfo
+from robot.serial.device_topics import deserialised, serialised
+from robot.serial.message_types import service_class
+from robot.serial.task_thread import Errands
 
 ANSWER_TIMEOUT = 10.0  # s
 MAX_CALLS = 4  # of the device, that wait for their turn; ros_lib makes one at a time

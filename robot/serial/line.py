@@ -8,13 +8,8 @@ import time
 
 from laser_bot_battle.master import Master
 from laser_bot_battle.msg import BoardHealth, Robot_msg, Setup
-from robot.dead_man import DeadMan
-from robot.device_log import DeviceLogger
-from robot.device_topics import deserialised, serialised
 from robot.diagnostics import LineState
-from robot.endpoints import Endpoints
 from robot.health import Board
-from robot.parameters import Parameters
 from robot.rosserial.events import (
     DeviceCalls,
     DeviceLog,
@@ -32,9 +27,14 @@ from robot.rosserial.frame import MAX_PAYLOAD, encode
 from robot.rosserial.host import SILENCE, Host
 from robot.rosserial.ids import STOP_SENDING
 from robot.rosserial.topic_info import TopicInfo
-from robot.serial_port import PortError, SerialPort
-from robot.transmit_queue import TransmitQueue
-from robot.waker import Waker
+from robot.serial.dead_man import DeadMan
+from robot.serial.device_log import DeviceLogger
+from robot.serial.device_topics import deserialised, serialised
+from robot.serial.endpoints import Endpoints
+from robot.serial.parameters import Parameters
+from robot.serial.port import PortError, SerialPort
+from robot.serial.transmit_queue import TransmitQueue
+from robot.serial.waker import Waker
 
 HEAR_AGAIN = 2.0  # s between two looks for a publisher that was missed
 TICK = 0.5  # s, longest wait without looking at the time, and whether a signal came just before the wait

@@ -10,12 +10,12 @@ import rosgraph.names
 import rospy
 
 from laser_bot_battle.msg import Setup
-from robot.device_services import CalledService, ServedService
-from robot.device_topics import PublishedTopic, SubscribedTopic, TakenTopic
-from robot.errands import Errands
-from robot.refusals import refusal
 from robot.rosserial.events import DeviceCalls, DevicePublishes, DeviceServes, DeviceSubscribes
 from robot.rosserial.topic_info import TopicInfo
+from robot.serial.device_services import CalledService, ServedService
+from robot.serial.device_topics import PublishedTopic, SubscribedTopic, TakenTopic
+from robot.serial.name_rules import refusal
+from robot.serial.task_thread import Errands
 
 _log = logging.getLogger(__name__)
 

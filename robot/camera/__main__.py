@@ -24,8 +24,8 @@ from laser_bot_battle.master import Master, MasterError
 from laser_bot_battle.names import RELAY_NODE
 from laser_bot_battle.place import locate
 from laser_bot_battle.settings import describe, read_or_exit
-from robot.camera_door import Door
-from robot.camera_settings import LIBCAMERA, VARIABLES, CameraSettings, find_libcamera
+from robot.camera.access import Door
+from robot.camera.settings import LIBCAMERA, VARIABLES, CameraSettings, find_libcamera
 
 _log = logging.getLogger(__name__)
 
