@@ -10,7 +10,9 @@ import { build } from "esbuild";
 
 const ROOT = dirname(fileURLToPath(import.meta.url));
 const BUNDLE = `${ROOT}/bundle`;
-const SCRIPTS = ["home", "index", "operator", "plain", "pulse", "results", "watch"];
+const SCRIPTS = [
+  "common/text_page", "desk/operator", "game/home", "game/pulse", "lobby/index", "results/results", "watch/watch",
+];
 const STYLES = [
   "about", "camera", "common", "controls", "error", "eyes", "feed", "hits", "home", "hud", "keys", "lobby", "login", "operator", "podium",
   "results", "teams", "touch", "watch",

@@ -26,7 +26,7 @@ def _manifest() -> dict[str, str]:
 
 
 def asset(name: str) -> str:
-    """The address of a file of server/static, such as "css/common.css" or "js/home.js". KeyError: it has none."""
+    """The address of a file of server/static, such as "css/common.css" or "js/game/home.js". KeyError: it has none."""
     return _PREFIX + _manifest()[name]
 
 

@@ -28,7 +28,7 @@ DRIVERS = 4
 RATE = 40  # commands/s of each
 CHANGES = 10  # states/s of a fierce battle
 SECONDS = 10.0
-PAGE = Path("server/static/js/status_feed.js")
+PAGE = Path("server/static/js/battle/status_feed.js")
 
 
 class Referee:

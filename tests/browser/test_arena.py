@@ -24,7 +24,7 @@ PAGE = """<!doctype html>
 <style>body { margin: 0 } iframe { border: 0; width: 100vw; height: 100vh } [hidden] { display: none }</style>
 <iframe title="arena"></iframe>
 <script type="module">
-  import { ArenaView } from "./js/arena_view.js";
+  import { ArenaView } from "./js/common/arena_view.js";
   const heard = [];
   const [frame, url] = [document.querySelector("iframe"), new URLSearchParams(location.search).get("arena")];
   window.view = new ArenaView({ frame, url, onState: (state) => heard.push(state) });

@@ -21,7 +21,7 @@ def test_md5_sums_are_those_of_the_contract() -> None:
 def test_the_states_of_the_game_have_the_messages_numbers() -> None:
     constants = (GameStatus.STOPPED, GameStatus.COUNTDOWN, GameStatus.PLAYING)
     assert constants == (Game.STOPPED, Game.COUNTDOWN, Game.PLAYING)
-    page = (ROOT / "server" / "static" / "js" / "state.js").read_text()
+    page = (ROOT / "server/static/js/battle/state.js").read_text()
     assert tuple(map(int, re.findall(r"^export const (?:STOPPED|COUNTDOWN|PLAYING) = (\d);", page, re.M))) == constants
 
 

@@ -23,7 +23,7 @@ KEY = re.compile(r"""["'`]([a-z]+\.[a-z][a-z0-9_]*)(?=["'`$])""")
 PREFIX = re.compile(
     r"""\bt\(\s*(?:"([a-z]+\.[a-z0-9_]*)"\s*[~+]|'([a-z]+\.[a-z0-9_]*)'\s*[~+]|`([a-z]+\.[a-z0-9_]*)\$\{)"""
 )
-SCRIPT = re.compile(r"""asset\(['"]js/(\w+)\.js['"]\)""")
+SCRIPT = re.compile(r"""asset\(['"]js/([\w/]+)\.js['"]\)""")
 SECTIONS = re.compile(r"\{% set sections = (\[.*?\]) %\}")
 LOADS = re.compile(r"""\{% (?:extends|include) "(.+?)" %\}""")
 
@@ -79,7 +79,7 @@ def said(path: Path) -> tuple[frozenset[str], frozenset[str]]:
 
 
 SOURCES = [
-    *sorted((STATIC / "js").glob("*.js")),
+    *sorted((STATIC / "js").rglob("*.js")),
     *sorted(TEMPLATES.rglob("*.html")),
     *sorted((ROOT / "server/web").glob("*.py")),
 ]
@@ -133,7 +133,7 @@ def test_each_rule_of_the_desk_has_a_name() -> None:
 
 def test_the_page_knows_the_relays_reasons_as_the_relay_says_them() -> None:
     sources = "".join(path.read_text() for path in (ROOT / "server" / "camera").glob("*.py"))
-    reasons = re.findall(r'^  "(.+)": "camera\.', (STATIC / "js" / "camera_words.js").read_text(), re.MULTILINE)
+    reasons = re.findall(r'^  "(.+)": "camera\.', (STATIC / "js/camera/words.js").read_text(), re.MULTILINE)
     assert len(reasons) > 5
     said_by_relay = sources.replace("{SILENCE:g}", f"{SILENCE:g}")
     assert [reason for reason in reasons if f'"{reason}"' not in said_by_relay] == []

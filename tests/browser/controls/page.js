@@ -2,14 +2,14 @@
 
 import "../../../server/static/css/common.css";
 import "../../../server/static/css/touch.css";
-import { Driver } from "../../../server/static/js/driver.js";
-import { Feel } from "../../../server/static/js/feel.js";
-import { connectGame } from "../../../server/static/js/game_controls.js";
-import { connectSwitches, settingsForm } from "../../../server/static/js/game_settings.js";
-import { makeJolt, vibrate } from "../../../server/static/js/jolt.js";
-import { Preferences } from "../../../server/static/js/preferences_store.js";
-import { SOUNDS, lengthOf } from "../../../server/static/js/sound.js";
-import { Speaker, makeNoise, sound } from "../../../server/static/js/speaker.js";
+import { Driver } from "../../../server/static/js/drive/driver.js";
+import { Feel } from "../../../server/static/js/battle/feedback.js";
+import { connectGame } from "../../../server/static/js/game/controls.js";
+import { connectSwitches, settingsForm } from "../../../server/static/js/game/settings.js";
+import { makeJolt, vibrate } from "../../../server/static/js/common/jolt.js";
+import { Preferences } from "../../../server/static/js/common/preferences_store.js";
+import { SOUNDS, lengthOf } from "../../../server/static/js/common/sound.js";
+import { Speaker, makeNoise, sound } from "../../../server/static/js/common/speaker.js";
 
 const { document, navigator, OfflineAudioContext } = globalThis; // the linter takes this folder for node's
 

@@ -112,9 +112,7 @@ def test_the_raspberry_pis_own_camera_goes_through_libcamera(place: str, tmp_pat
 
 def test_a_missing_library_is_named() -> None:
     port = str(free_port())
-    program = Program.python(
-        "robot.camera", env={"LASERBOT_CAMERA": "libcamera", "LASERBOT_CAMERA_PORT": port}
-    )
+    program = Program.python("robot.camera", env={"LASERBOT_CAMERA": "libcamera", "LASERBOT_CAMERA_PORT": port})
     try:
         program.wait_for(f"at port {port}" if find_libcamera() else "apt-get install libcamera-v4l2 libcamera-ipa")
     finally:
@@ -187,9 +185,7 @@ def test_the_program_ends_with_ustreamer_and_ustreamer_with_the_program() -> Non
 def test_a_port_in_use_and_a_wrong_setting_are_one_clear_line() -> None:
     with socket.create_server(("", 0)) as other:
         port = str(other.getsockname()[1])
-        program = Program.python(
-            "robot.camera", env={"LASERBOT_MASTER": "127.0.0.1", "LASERBOT_CAMERA_PORT": port}
-        )
+        program = Program.python("robot.camera", env={"LASERBOT_MASTER": "127.0.0.1", "LASERBOT_CAMERA_PORT": port})
         assert program.process.wait(20) == 1
         assert f"cannot listen on port {port}" in program.output
         assert "LASERBOT_CAMERA_PORT" in program.output

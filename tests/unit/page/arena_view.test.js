@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { ArenaView } from "../../../server/static/js/arena_view.js";
+import { ArenaView } from "../../../server/static/js/common/arena_view.js";
 
 const URL_ = "http://hall.local:8080/?embedded";
 const ORIGIN = "http://hall.local:8080";

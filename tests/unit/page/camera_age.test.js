@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { afterEach, beforeEach, test } from "node:test";
-import { ageOf } from "../../../server/static/js/camera_age.js";
-import { cameraText, isUnknown } from "../../../server/static/js/camera_words.js";
+import { ageOf } from "../../../server/static/js/camera/age.js";
+import { cameraText, isUnknown } from "../../../server/static/js/camera/words.js";
 import { speak } from "./samples.js";
 
 beforeEach(() => speak("en"));

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { ClockOffset } from "../../../server/static/js/camera_clock.js";
-import { pictureOf } from "../../../server/static/js/camera_picture.js";
+import { ClockOffset } from "../../../server/static/js/camera/clock.js";
+import { pictureOf } from "../../../server/static/js/camera/picture.js";
 import { picture } from "./samples.js";
 
 test("a picture tells its robot, its number, when it was taken and sent, and the JPEG", () => {

@@ -2,8 +2,8 @@ import assert from "node:assert/strict";
 import { once } from "node:events";
 import { afterEach, beforeEach, test } from "node:test";
 import { WebSocketServer } from "ws";
-import { NEUTRAL } from "../../../server/static/js/keys.js";
-import { Connection } from "../../../server/static/js/connection.js";
+import { NEUTRAL } from "../../../server/static/js/drive/keys.js";
+import { Connection } from "../../../server/static/js/drive/connection.js";
 import { message } from "./samples.js";
 
 const FORWARD = { linear_x: 1, angular_z: 0, shoot: false };

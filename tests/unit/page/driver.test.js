@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { Driver } from "../../../server/static/js/driver.js";
-import { NEUTRAL } from "../../../server/static/js/keys.js";
+import { Driver } from "../../../server/static/js/drive/driver.js";
+import { NEUTRAL } from "../../../server/static/js/drive/keys.js";
 
 const FORWARD = { linear_x: 1, angular_z: 0, shoot: false };
 const CURVE = { linear_x: 1, angular_z: 1, shoot: false };

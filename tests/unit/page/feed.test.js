@@ -1,11 +1,11 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { test } from "node:test";
-import { changes } from "../../../server/static/js/feed.js";
-import { feedEntry } from "../../../server/static/js/feed_words.js";
-import { fromReply } from "../../../server/static/js/messages.js";
-import { COUNTDOWN, PLAYING, STOPPED } from "../../../server/static/js/state.js";
-import { setWords } from "../../../server/static/js/words.js";
+import { changes } from "../../../server/static/js/battle/feed.js";
+import { feedEntry } from "../../../server/static/js/battle/feed_words.js";
+import { fromReply } from "../../../server/static/js/battle/messages.js";
+import { COUNTDOWN, PLAYING, STOPPED } from "../../../server/static/js/battle/state.js";
+import { setWords } from "../../../server/static/js/common/words.js";
 import { hit, player, status } from "./samples.js";
 
 const fighters = (...lives) => lives.map((life, index) => player(["Al", "Bo", "Cy"][index], { ready: true, life, robot: index }));

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { Driver } from "../../../server/static/js/driver.js";
-import { Gamepads, padState } from "../../../server/static/js/gamepad.js";
-import { NEUTRAL } from "../../../server/static/js/keys.js";
+import { Driver } from "../../../server/static/js/drive/driver.js";
+import { Gamepads, padState } from "../../../server/static/js/drive/gamepad.js";
+import { NEUTRAL } from "../../../server/static/js/drive/keys.js";
 
 const [A, RT, SELECT, START, UP, DOWN, LEFT, RIGHT] = [0, 7, 8, 9, 12, 13, 14, 15];
 

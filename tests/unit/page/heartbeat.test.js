@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { BEAT_INTERVAL, FAST_INTERVAL, Heartbeat } from "../../../server/static/js/heartbeat.js";
+import { BEAT_INTERVAL, FAST_INTERVAL, Heartbeat } from "../../../server/static/js/game/heartbeat.js";
 
 let now, posts, answer, events, heart;
 

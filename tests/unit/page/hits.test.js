@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { hitsOf, newHits } from "../../../server/static/js/hits.js";
-import { fromReply } from "../../../server/static/js/messages.js";
+import { hitsOf, newHits } from "../../../server/static/js/battle/hits.js";
+import { fromReply } from "../../../server/static/js/battle/messages.js";
 import { hit, player, status } from "./samples.js";
 
 const battle = (life, events, values = {}) =>

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { NEUTRAL, actionOf, commandOf, isNeutral, padActions } from "../../../server/static/js/keys.js";
+import { NEUTRAL, actionOf, commandOf, isNeutral, padActions } from "../../../server/static/js/drive/keys.js";
 
 test("arrows and WASD move, Enter and Space fire", () => {
   const actions = {

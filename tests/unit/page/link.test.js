@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { LinkQuality } from "../../../server/static/js/link.js";
+import { LinkQuality } from "../../../server/static/js/game/link.js";
 
 const measured = (...times) => {
   const quality = new LinkQuality();

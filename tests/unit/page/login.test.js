@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { isValidName, loginDialog } from "../../../server/static/js/login.js";
+import { isValidName, loginDialog } from "../../../server/static/js/lobby/login.js";
 import "./samples.js";
 
 test("names are 1 to 16 letters, digits and underscores", () => {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { UNKNOWN_BATTLE, fromReply, fromTopic } from "../../../server/static/js/messages.js";
+import { UNKNOWN_BATTLE, fromReply, fromTopic } from "../../../server/static/js/battle/messages.js";
 import { message, player } from "./samples.js";
 
 const reply = (values = {}) => ({ game: 0, status: "OK", timeLeft: 0, users: "[]", ...values });

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { afterEach, test } from "node:test";
-import { noticeText } from "../../../server/static/js/notice.js";
+import { noticeText } from "../../../server/static/js/common/notice.js";
 import { speak } from "./samples.js";
 
 afterEach(() => speak("en"));

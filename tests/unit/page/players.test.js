@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { arenaPlayers } from "../../../server/static/js/players.js";
+import { arenaPlayers } from "../../../server/static/js/battle/players.js";
 import { player, status } from "./samples.js";
 
 globalThis.PICTURES = { "img/avatar0.svg": "avatar0-12AB34CD.svg" };

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { podium } from "../../../server/static/js/podium.js";
+import { podium } from "../../../server/static/js/results/podium.js";
 import { player } from "./samples.js";
 
 /** The result of players with these places; a place with a minus has left early. */

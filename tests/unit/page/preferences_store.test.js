@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Preferences } from "../../../server/static/js/preferences_store.js";
+import { Preferences } from "../../../server/static/js/common/preferences_store.js";
 
 const STANDARD = { sound: true, volume: 0.7, touch: "pad", hints: true, view: "eyes" };
 const all = (preferences) => Object.fromEntries(Object.keys(STANDARD).map((name) => [name, preferences.get(name)]));

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { queueText, waitText } from "../../../server/static/js/queue.js";
+import { queueText, waitText } from "../../../server/static/js/battle/queue.js";
 import "./samples.js";
 
 test("who waits learns the place and about how long it takes", () => {

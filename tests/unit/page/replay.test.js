@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { clock, fighterAt, lengthOf, poseAt } from "../../../server/static/js/replay.js";
+import { clock, fighterAt, lengthOf, poseAt } from "../../../server/static/js/results/replay.js";
 
 const track = {
   times: [1, 2, 4],

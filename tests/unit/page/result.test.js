@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { outcomeOf, tallyTexts } from "../../../server/static/js/result.js";
-import { Tally } from "../../../server/static/js/tally.js";
+import { outcomeOf, tallyTexts } from "../../../server/static/js/game/result.js";
+import { Tally } from "../../../server/static/js/game/own_stats.js";
 import { player, status } from "./samples.js";
 
 const result = [

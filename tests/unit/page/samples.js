@@ -1,8 +1,8 @@
 // States of the battle for the tests.
 
 import { readFileSync } from "node:fs";
-import { fromTopic } from "../../../server/static/js/messages.js";
-import { setWords } from "../../../server/static/js/words.js";
+import { fromTopic } from "../../../server/static/js/battle/messages.js";
+import { setWords } from "../../../server/static/js/common/words.js";
 
 /** Let the page's modules speak a language. */
 export function speak(language) {

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { Awake, connectFullscreen } from "../../../server/static/js/screen.js";
+import { Awake, connectFullscreen } from "../../../server/static/js/common/screen.js";
 
 const settled = () => new Promise((resolve) => setImmediate(resolve));
 

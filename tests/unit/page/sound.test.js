@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Preferences } from "../../../server/static/js/preferences_store.js";
-import { SOUNDS, lengthOf, noiseSamples, schedule } from "../../../server/static/js/sound.js";
-import { Speaker } from "../../../server/static/js/speaker.js";
+import { Preferences } from "../../../server/static/js/common/preferences_store.js";
+import { SOUNDS, lengthOf, noiseSamples, schedule } from "../../../server/static/js/common/sound.js";
+import { Speaker } from "../../../server/static/js/common/speaker.js";
 
 const NAMES = Object.keys(SOUNDS);
 const inMemory = () => new Preferences(() => null);

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { fromReply } from "../../../server/static/js/messages.js";
-import * as state from "../../../server/static/js/state.js";
+import { fromReply } from "../../../server/static/js/battle/messages.js";
+import * as state from "../../../server/static/js/battle/state.js";
 import { hit, player, status } from "./samples.js";
 
 const ready = { ready: true };

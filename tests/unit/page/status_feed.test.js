@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { StatusFeed } from "../../../server/static/js/status_feed.js";
+import { StatusFeed } from "../../../server/static/js/battle/status_feed.js";
 import { message } from "./samples.js";
 
 let now, timers, sockets, answer, asked, statuses, states;

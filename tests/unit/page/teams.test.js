@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { outcomeOf } from "../../../server/static/js/result.js";
-import { teamChoice } from "../../../server/static/js/state.js";
-import { byTeam, standings, teamsOf } from "../../../server/static/js/teams.js";
+import { outcomeOf } from "../../../server/static/js/game/result.js";
+import { teamChoice } from "../../../server/static/js/battle/state.js";
+import { byTeam, standings, teamsOf } from "../../../server/static/js/battle/teams.js";
 import { player, status } from "./samples.js";
 
 const entry = (name, team, place, values = {}) => player(name, { team, place, ...values });

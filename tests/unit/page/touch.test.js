@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { stickAt } from "../../../server/static/js/touch.js";
+import { stickAt } from "../../../server/static/js/drive/touch.js";
 
 const RADIUS = 60;
 const CENTRE = { x: 100, y: 200 };

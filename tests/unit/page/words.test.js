@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { afterEach, test } from "node:test";
-import { dateTime, list, number, percent, setWords, t } from "../../../server/static/js/words.js";
+import { dateTime, list, number, percent, setWords, t } from "../../../server/static/js/common/words.js";
 import { speak } from "./samples.js";
 
 afterEach(() => speak("en"));

@@ -25,7 +25,7 @@ def browser():
     ("name", "kind"),
     [
         ("css/common.css", "text/css"),
-        ("js/plain.js", "text/javascript"),
+        ("js/common/text_page.js", "text/javascript"),
         ("img/logo.svg", "image/svg+xml"),
         ("img/favicon.png", "image/png"),
         ("type/oxanium-latin-wght-normal.woff2", "font/woff2"),

@@ -1,0 +1,80 @@
+// The feed on a page: what happens, in words, newest first.
+
+import { avatarUrl } from "../common/assets.js";
+import { element, setPicture, setText } from "../common/dom.js";
+import { changes } from "./feed.js";
+import { teamName } from "./teams.js";
+import { list, percent, t } from "../common/words.js";
+
+const MOST = 6; // entries
+const FRESH = 12_000; // ms that an entry stands out
+
+const TONES = {
+  countdown: "alert", start: "alert", resumed: "alert", ready: "good", hit: "hit", out: "out", end: "win",
+};
+
+/**
+ * A change in words.
+ * @param {import("./feed.js").Change} change
+ * @returns {{text: string, avatar: number|null, victim: number|null, tone: "alert"|"good"|"hit"|"out"|"win"|"calm"}}
+ *   `victim`: the second picture, of who was hit by the one of the first
+ */
+export function feedEntry({ kind, name, avatar, life, by, winners, teams }) {
+  const tone = TONES[kind] ?? "calm";
+  if (kind === "end") return { text: endText(winners, teams), avatar, victim: null, tone };
+  const values = { name, life: life === null ? "" : percent(life) };
+  if (by) return { text: t(`feed.${kind}_by`, { ...values, by: by.name }), avatar: by.avatar, victim: avatar, tone };
+  return { text: t(`feed.${kind}`, values), avatar, victim: null, tone };
+}
+
+function endText(winners, teams) {
+  if (teams.length === 1) return t("feed.team_win", { team: teamName(teams[0]) });
+  if (teams.length > 1) return t("feed.draw", { names: list(teams.map(teamName)) });
+  if (winners.length === 0) return t("feed.over");
+  const names = list(winners);
+  return winners.length === 1 ? t("feed.win", { names }) : t("feed.draw", { names });
+}
+
+/** Keeps the newest entries in a list of the page. It is silent: what screen readers say is the page's own choice. */
+export class FeedList {
+  #list;
+  #timers = new Map(); // by node
+
+  /** @param {HTMLOListElement|HTMLUListElement} node */
+  constructor(node) {
+    this.#list = node;
+    node.setAttribute("aria-live", "off");
+  }
+
+  /**
+   * Show what has changed between two states of the battle.
+   * @returns {import("./feed.js").Change[]} the changes
+   */
+  take(previous, current) {
+    const news = changes(previous, current);
+    for (const change of news) this.#add(feedEntry(change));
+    return news;
+  }
+
+  #add({ text, avatar, victim, tone }) {
+    const node = this.#list.children.length < MOST ? makeNode() : this.#list.lastElementChild;
+    clearTimeout(this.#timers.get(node));
+    this.#timers.set(node, setTimeout(() => node.classList.add("is-old"), FRESH));
+    node.classList.remove("is-old");
+    node.dataset.tone = tone;
+    showPicture(node.firstElementChild, avatar);
+    showPicture(node.lastElementChild, victim);
+    setText(node.querySelector("span"), text);
+    this.#list.prepend(node);
+  }
+}
+
+function makeNode() {
+  const picture = () => element("img", { alt: "", width: 40, height: 40 });
+  return element("li", { className: "feed-entry" }, picture(), element("span"), picture());
+}
+
+function showPicture(picture, avatar) {
+  picture.hidden = avatar === null;
+  if (avatar !== null) setPicture(picture, avatarUrl(avatar));
+}

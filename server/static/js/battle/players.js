@@ -1,0 +1,18 @@
+// Who plays, as the arena's picture is told (docs/protocol-browser.md, "The arena's view"). Pure.
+
+import { avatarUrl } from "../common/assets.js";
+import { PLAYING } from "./state.js";
+import { arenaColour } from "./teams.js";
+
+const PHASES = ["stopped", "countdown", "playing"];
+
+/**
+ * @param {import("./messages.js").Status} status
+ * @param {string|null} me this page's player; null for a spectator
+ */
+export function arenaPlayers(status, me) {
+  const players = status.users.map(({ name, robot, life, ready, avatar, team }) => ({
+    name, robot, life, ready, out: status.game === PLAYING && ready && life === 0, avatar: avatarUrl(avatar), colour: arenaColour(team) ?? null,
+  }));
+  return { me, players, phase: PHASES[status.game] };
+}

@@ -1,0 +1,19 @@
+// The words for who waits for a robot. Pure.
+
+import { t } from "../common/words.js";
+
+/** What /session says of somebody who waits.
+ * @typedef {{user: string, place: number, offer: number|null, seconds: number}} Waiter */
+
+/** @param {Waiter} waiter @returns {{title: string, text: string}} */
+export function queueText({ place, offer, seconds }) {
+  if (offer !== null) return { title: t("queue.offer", { id: offer }), text: t("queue.offer_text", { n: seconds }) };
+  const title = place === 1 ? t("queue.next") : t("queue.place", { n: place });
+  return { title, text: t("queue.wait", { time: waitText(seconds) }) };
+}
+
+/** Seconds as people say them. */
+export function waitText(seconds) {
+  const n = Math.round(seconds / 60);
+  return n < 1 ? t("queue.a_minute") : t("queue.minutes", { n });
+}

@@ -1,0 +1,120 @@
+// The desk's forms: what the server says fills them, but never over what somebody has typed.
+
+import { element, setText } from "../common/dom.js";
+import { showRows } from "./rows.js";
+import * as words from "./words.js";
+import { list, t } from "../common/words.js";
+
+const byId = (id) => document.getElementById(id);
+
+/** The rules, one row each. */
+export class RulesForm {
+  #rules = {};
+  #onReset;
+
+  /** @param {(name: string) => void} onReset give a rule its default again */
+  constructor(onReset) {
+    this.#onReset = onReset;
+    byId("rules-form").addEventListener("input", () => this.#showChanged());
+  }
+
+  /** The rules that the server does not know yet. */
+  get changed() {
+    const wanted = Object.keys(this.#rules).map((name) => [name, valueOf(field(name))]);
+    return words.changedRules(Object.fromEntries(wanted), this.#rules);
+  }
+
+  show(rules) {
+    const before = this.#rules;
+    this.#rules = rules;
+    showRows(byId("rules-rows"), Object.entries(rules), {
+      key: ([name]) => name,
+      make: ([name, rule]) => this.#row(name, rule),
+      fill: (row, [name, { value, default: standard }]) => {
+        const input = field(name, row);
+        if (!before[name] || valueOf(input) === before[name].value) setValue(input, value);
+        row.querySelector("button").hidden = value === standard;
+      },
+    });
+    this.#showChanged();
+  }
+
+  /** Forget what somebody has typed for this rule. */
+  forget(name) {
+    setValue(field(name), this.#rules[name].value);
+  }
+
+  #row(name, rule) {
+    const input = inputOf(rule);
+    input.id = `rule-${name}`;
+    if (rule.min !== null) Object.assign(input, { min: rule.min, max: rule.max, inputMode: "decimal" });
+    input.setAttribute("aria-describedby", `rule-${name}-text`);
+    const onclick = () => {
+      input.focus(); // the button goes
+      this.#onReset(name);
+    };
+    const reset = element("button", { type: "button", className: "button quiet", onclick }, t("desk.reset"));
+    reset.append(element("span", { className: "visually-hidden" }, ` ${words.ruleName(name)}`));
+    const { meaning, bounds } = words.ruleText(rule);
+    return element(
+      "div",
+      { className: "rule" },
+      element("label", { htmlFor: input.id }, words.ruleName(name)),
+      element("div", { className: "rule-value" }, input, reset),
+      element("p", { id: `rule-${name}-text`, className: "muted" }, element("span", { lang: "en" }, meaning), ` ${bounds}`),
+    );
+  }
+
+  #showChanged() {
+    const names = Object.keys(this.changed);
+    setText(byId("rules-changed"), names.length ? t("desk.rules_changed", { names: list(names.map(words.ruleName)) }) : "");
+    for (const name of Object.keys(this.#rules)) field(name).closest(".rule").classList.toggle("is-changed", names.includes(name));
+  }
+}
+
+/** The control for a rule's value: one of its words, yes or no, or a number. */
+function inputOf({ value, words: choices }) {
+  if (choices.length > 0) return element("select", {}, ...choices.map((word) => element("option", { value: word }, word)));
+  if (typeof value === "boolean") return element("input", { type: "checkbox" });
+  return element("input", { type: "number", step: "any", required: true });
+}
+
+const field = (name, row = document) => row.querySelector(`#rule-${name}`);
+function valueOf(input) {
+  if (input.type === "checkbox") return input.checked;
+  return input.type === "number" ? input.valueAsNumber : input.value;
+}
+
+function setValue(input, value) {
+  if (Object.is(valueOf(input), value)) return; // "1." is 1: nobody's typing is disturbed
+  if (input.type === "checkbox") input.checked = value;
+  else input.value = String(value);
+}
+
+/** The list of forbidden words. */
+export class WordsForm {
+  #words = [];
+
+  constructor() {
+    byId("forbidden").addEventListener("input", () => this.#showChanged());
+  }
+
+  get words() {
+    return words.parseWords(byId("forbidden").value);
+  }
+
+  get #isChanged() {
+    return this.words.join("\n") !== this.#words.join("\n");
+  }
+
+  show(forbidden) {
+    const wasChanged = this.#isChanged;
+    this.#words = forbidden;
+    if (!wasChanged && this.#isChanged) byId("forbidden").value = forbidden.join("\n");
+    this.#showChanged();
+  }
+
+  #showChanged() {
+    setText(byId("words-changed"), this.#isChanged ? t("desk.not_saved") : "");
+  }
+}

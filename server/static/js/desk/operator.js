@@ -1,0 +1,125 @@
+// The operator's desk: what is going on, and what an operator may do about it.
+
+import * as api from "./api.js";
+import * as dialogs from "../common/dialogs.js";
+import { RulesForm, WordsForm } from "./forms.js";
+import { Cameras } from "./cameras.js";
+import { Journal } from "./journal.js";
+import { TestDrive } from "./drive.js";
+import { INTERVAL, Poll } from "./poll.js";
+import * as view from "./view.js";
+import { ADDED_TIME } from "./words.js";
+import { connectPreferences } from "../common/preferences.js";
+import { t } from "../common/words.js";
+
+const byId = (id) => document.getElementById(id);
+
+const rules = new RulesForm((name) => act(() => api.setRules({ [name]: null }), () => rules.forget(name)));
+const words = new WordsForm();
+const drive = new TestDrive();
+const cameras = new Cameras();
+const journal = new Journal();
+
+const poll = new Poll({
+  ask: api.state,
+  now: Date.now,
+  onState: (state) => {
+    view.showLost(null);
+    view.showState(state, on);
+    rules.show(state.rules);
+    words.show(state.names.words);
+    journal.show(state.has_journal);
+    const driven = state.robots.find(({ id }) => id === drive.robot);
+    if (!driven || driven.in_service) drive.stop();
+  },
+  onLost: view.showLost,
+  onSignedOut: () => location.reload(), // the server answers with its login
+});
+
+/** Do what somebody has asked for; say why when it cannot be done. Afterwards the desk shows what has become of it. */
+async function act(order, then = () => {}) {
+  try {
+    await order();
+    view.showProblem("");
+    then();
+  } catch (error) {
+    if (error.status === 401) location.reload();
+    if (error.status) view.showProblem(error.message, error.lang);
+    else view.showProblem(t("desk.no_answer"));
+  }
+  await poll.refresh();
+}
+
+/** Do it once somebody has said yes. */
+async function confirm({ title, text, ok }, order, then) {
+  if (await dialogs.show({ kind: "warning", title, text, ok, cancel: t("common.cancel"), calm: true })) await act(order, then);
+}
+
+const on = {
+  service: (id, inService) => act(() => api.setService(id, inService)),
+  identify: (id) => act(() => api.identify(id)),
+  look: (id) => cameras.look(id),
+  drive: (id) => act(() => drive.start(id)),
+  signOut: (name) =>
+    confirm({ title: t("desk.sign_out_sure", { name }), text: t("desk.sign_out_text"), ok: t("desk.sign_out_player") }, () =>
+      api.signOut(name),
+    ),
+  ban: (name, then) =>
+    confirm(
+      { title: t("desk.ban_sure", { name }), text: t("desk.ban_text"), ok: t("desk.ban") },
+      () => api.names({ ban: name }),
+      then,
+    ),
+  unban: (name) => act(() => api.names({ unban: name })),
+};
+
+function order(action) {
+  if (action === "add_time") return act(() => api.battle({ action, seconds: ADDED_TIME }));
+  const send = () => api.battle({ action });
+  if (action !== "abort") return act(send);
+  return confirm({ title: t("desk.abort_sure"), text: t("desk.abort_text"), ok: t("desk.abort") }, send);
+}
+
+byId("battle-buttons").addEventListener("click", ({ target }) => {
+  const button = target.closest("button");
+  if (button?.getAttribute("aria-disabled") === "false") order(button.dataset.order);
+});
+
+/** A form's submit does `send`, then `then`. */
+function onSubmit(id, send, then) {
+  byId(id).addEventListener("submit", (event) => {
+    event.preventDefault();
+    act(send, then);
+  });
+}
+
+onSubmit(
+  "message-form",
+  () => api.showMessage(byId("message-text").value.trim()),
+  () => byId("message-form").reset(),
+);
+onSubmit("rules-form", () => api.setRules(rules.changed), () => dialogs.toast(t("desk.rules_saved")));
+onSubmit("words-form", () => api.names({ words: words.words }), () => dialogs.toast(t("desk.words_saved")));
+byId("ban-form").addEventListener("submit", (event) => {
+  event.preventDefault();
+  on.ban(byId("ban-name").value.trim().normalize("NFC"), () => byId("ban-form").reset());
+});
+byId("message-clear").addEventListener("click", () => {
+  byId("message-text").focus(); // the button goes
+  act(() => api.showMessage(""));
+});
+byId("problem-close").addEventListener("click", () => view.showProblem(""));
+byId("sign-out").addEventListener("click", async () => {
+  await api.leave().catch(() => null);
+  location.replace("/operator");
+});
+addEventListener("pageshow", (event) => event.persisted && location.reload());
+
+connectPreferences();
+cameras.start();
+journal.start();
+
+const tick = () => poll.tick(document.hidden);
+document.addEventListener("visibilitychange", tick);
+setInterval(tick, INTERVAL / 4);
+tick();

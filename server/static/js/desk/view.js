@@ -1,0 +1,170 @@
+// The desk's elements, set from the state. All that comes from names is set as text.
+
+import { element, setText } from "../common/dom.js";
+import { rowButton, setCell, showRows, tableRow } from "./rows.js";
+import * as words from "./words.js";
+import { t } from "../common/words.js";
+
+const byId = (id) => document.getElementById(id);
+
+const ROBOT = [
+  ["id", t("desk.robot")], ["host", t("desk.host")], ["player", t("desk.player")], ["ping", t("desk.ping")], ["link", t("desk.link")],
+  ["health", t("desk.health")],
+];
+const PLAYER = [
+  ["name", t("desk.name")], ["robot", t("desk.robot")], ["life", t("desk.life")], ["ready", t("desk.ready")],
+  ["seat", t("desk.seat")], ["page", t("desk.page")],
+];
+const WAITER = [["name", t("desk.name")], ["place", t("desk.place")], ["offer", t("desk.robot")]];
+
+/**
+ * Everything on the desk but its forms.
+ * @param {object} state of GET /operator/api/state
+ * @param {object} on what the rows' buttons do: service(id, inService), identify(id), look(id), drive(id), signOut(name), ban(name), unban(name)
+ */
+export function showState(state, on) {
+  showBattle(state.game);
+  showRobots(state.robots, on);
+  showPlayers(state.players, on);
+  showQueue(state.queue, on);
+  showMessage(state.game.message);
+  showBanned(state.names.banned, on);
+  showSystem(state);
+  showLog(state.log);
+}
+
+function showBattle(game) {
+  const { title, clock, hint } = words.battleText(game);
+  setText(byId("glance"), clock ? `${title} ${clock}` : title);
+  setText(byId("battle-state"), title);
+  setText(byId("battle-clock"), clock);
+  setText(byId("battle-hint"), hint);
+  byId("battle").dataset.state = game.paused ? "paused" : game.state;
+  byId("glance").dataset.state = byId("battle").dataset.state;
+  for (const [id, { action, text, enabled }] of Object.entries(words.battleButtons(game))) {
+    const button = byId(id);
+    button.dataset.order = action;
+    setText(button, text);
+    button.setAttribute("aria-disabled", !enabled); // `disabled` would take the focus away
+  }
+}
+
+function showRobots(robots, on) {
+  showRows(byId("robots-rows"), robots, {
+    key: ({ id }) => String(id),
+    make: ({ id }) => {
+      const service = rowButton("", t("desk.of_robot", { id }), () => on.service(id, service.dataset.to === "in"));
+      const drive = rowButton(t("desk.test_drive"), t("desk.of_robot", { id }), () => on.drive(id));
+      const identify = rowButton(t("desk.identify"), t("desk.of_robot", { id }), () => on.identify(id));
+      const look = rowButton(t("desk.camera"), t("desk.of_robot", { id }), () => on.look(id));
+      service.dataset.button = "service";
+      drive.dataset.button = "drive";
+      return tableRow(ROBOT, [identify, look, service, drive]);
+    },
+    fill: (row, robot) => {
+      const { host, player, ping, link } = words.robotText(robot);
+      setCell(row, "id", t("desk.robot_id", { id: robot.id }));
+      setCell(row, "host", host);
+      setCell(row, "player", player);
+      setCell(row, "ping", ping);
+      setCell(row, "link", link);
+      setCell(row, "health", words.healthText(robot.health));
+      row.querySelector('[data-field="health"]').title = words.healthDetails(robot.health);
+      row.classList.toggle("is-out", !robot.in_service);
+      const service = row.querySelector("[data-button=service]");
+      service.dataset.to = robot.in_service ? "out" : "in";
+      setText(service.firstElementChild, t(robot.in_service ? "desk.take_out" : "desk.put_in"));
+      row.querySelector("[data-button=drive]").hidden = robot.in_service;
+    },
+  });
+}
+
+const personButtons = (name, on) => [
+  rowButton(t("desk.sign_out_player"), name, () => on.signOut(name)),
+  rowButton(t("desk.ban"), name, () => on.ban(name), "danger"),
+];
+
+function showPlayers(players, on) {
+  // by robot: in the order of the ranking, rows would move under a finger
+  const sorted = [...players].sort((one, other) => one.robot - other.robot);
+  showRows(byId("players-rows"), sorted, {
+    key: ({ name }) => name,
+    make: ({ name }) => tableRow(PLAYER, personButtons(name, on)),
+    fill: (row, player) => {
+      const { life, ready, seat, page } = words.playerText(player);
+      setCell(row, "name", player.name);
+      setCell(row, "robot", t("desk.robot_id", { id: player.robot }));
+      setCell(row, "life", life);
+      setCell(row, "ready", ready);
+      setCell(row, "seat", seat);
+      setCell(row, "page", page);
+    },
+  });
+}
+
+function showQueue(queue, on) {
+  showRows(byId("queue-rows"), queue, {
+    key: ({ name }) => name,
+    make: ({ name }) => tableRow(WAITER, personButtons(name, on)),
+    fill: (row, waiter) => {
+      setCell(row, "place", String(waiter.place));
+      setCell(row, "name", waiter.name);
+      setCell(row, "offer", words.waiterText(waiter));
+    },
+  });
+}
+
+function showMessage(text) {
+  setText(byId("message-now"), text ? t("desk.message_now", { text }) : t("desk.no_message"));
+  byId("message-clear").hidden = text === "";
+}
+
+function showBanned(banned, on) {
+  showRows(byId("banned-rows"), banned, {
+    key: (name) => name,
+    make: (name) => element("li", {}, element("span", {}, name), rowButton(t("desk.unban"), name, () => on.unban(name))),
+  });
+}
+
+function showSystem({ database, versions }) {
+  setText(byId("database-url"), database.url);
+  setText(byId("database-waiting"), String(database.waiting));
+  byId("database-problem").hidden = database.problem === "";
+  setText(byId("database-problem"), t("desk.database_problem", { problem: database.problem }));
+  for (const [part, version] of Object.entries(versions)) setText(byId(`version-${part}`), version);
+}
+
+function showLog(log) {
+  const list = byId("log-rows");
+  const version = JSON.stringify(log);
+  if (list.dataset.version === version) return; // a selection in it stays
+  list.dataset.version = version;
+  list.replaceChildren(
+    ...log.map(({ at, kind, text, by }) =>
+      element(
+        "li",
+        { title: kind, className: by ? "by-operator" : "" },
+        element("time", { dateTime: new Date(at * 1000).toISOString() }, words.timeText(at)),
+        element("span", {}, text), // ends with the operator's name
+      ),
+    ),
+  );
+}
+
+/** That the server does not answer since `since` (ms of Date), or, with null, that it does. */
+export function showLost(since, error) {
+  const line = byId("connection");
+  line.hidden = since === null;
+  document.body.classList.toggle("is-stale", since !== null);
+  if (since === null) return;
+  const text = t("desk.lost", { time: words.timeText(since / 1000) });
+  setText(line, error.status ? `${text} ${error.message}` : text); // else it is the browser's own word for silence
+}
+
+/** Say what could not be done, until it is closed or something else works; `lang` if it is not in the page's language. */
+export function showProblem(text, lang = "") {
+  byId("problem").hidden = text === "";
+  if (lang) byId("problem-text").lang = lang;
+  else byId("problem-text").removeAttribute("lang");
+  setText(byId("problem-text"), text);
+}

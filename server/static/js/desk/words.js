@@ -1,0 +1,203 @@
+// The words and decisions of the operator's desk: what a state says, what may be pressed, what a form has changed. Pure.
+
+import { noticeText } from "../common/notice.js";
+import { clock as clockText } from "../results/replay.js";
+import { dateTime, number, percent, t } from "../common/words.js";
+
+/** What may be added to the battle's time by one press, s. */
+export const ADDED_TIME = 60;
+
+/**
+ * The battle in words.
+ * @param {{state: string, paused: boolean, time_left: number, battle: number, notice: string}} game
+ * @returns {{title: string, clock: string, hint: string}} an empty `clock`: none runs
+ */
+export function battleText({ state, paused, time_left, battle, notice }) {
+  const clock = state === "stopped" ? "" : clockText(Math.ceil(time_left));
+  const hint = noticeText(notice) || t("desk.begun", { n: battle });
+  if (paused) return { title: t("desk.paused"), clock, hint: t("desk.paused_hint") };
+  switch (state) {
+    case "stopped":
+      return { title: t("desk.no_battle"), clock, hint };
+    case "countdown":
+      return { title: t("desk.countdown"), clock, hint: t("desk.countdown_hint") };
+    default:
+      return { title: t("desk.battle"), clock, hint: t("desk.battle_hint", { number: String(battle) }) };
+  }
+}
+
+/**
+ * The battle's buttons; the first of them changes between pause and resume.
+ * @returns {Record<string, {action: string, text: string, enabled: boolean}>} by the button's id
+ */
+export function battleButtons({ state, paused }) {
+  const runs = state !== "stopped";
+  return {
+    pause: { action: paused ? "resume" : "pause", text: t(paused ? "desk.resume" : "desk.pause"), enabled: runs || paused },
+    start: { action: "start", text: t("desk.start"), enabled: state === "countdown" && !paused },
+    "add-time": { action: "add_time", text: t("desk.add_time", { n: ADDED_TIME }), enabled: runs },
+    abort: { action: "abort", text: t("desk.abort"), enabled: runs },
+  };
+}
+
+/** How long ago something was heard; null: never. */
+export function ageText(seconds) {
+  if (seconds === null) return t("desk.never");
+  return seconds < 120 ? t("desk.seconds_ago", { n: Math.round(seconds) }) : t("desk.minutes_ago", { n: Math.round(seconds / 60) });
+}
+
+const SILENT = 2; // s; a robot pings every 0.4 s
+
+/** Who has the robot, and what an operator should see at sight. `level` is "bad" for what needs a hand. */
+export function robotText({ name, host, player, offered_to, in_service, ping_age, linked }) {
+  const free = t(in_service ? "desk.free" : "desk.out_of_service");
+  return {
+    host: hostText(name, host),
+    player: player ?? (offered_to === null ? free : t("desk.offered_to", { name: offered_to })),
+    ping: { text: ageText(ping_age), level: ping_age === null || ping_age > SILENT ? "bad" : "" },
+    link: { text: t(linked ? "desk.linked" : "desk.no_link"), level: linked ? "" : "bad" },
+  };
+}
+
+/** Where a robot runs: "raspberrypi1.local", "virtual3 on 192.168.1.7". Either may be unknown (null). */
+function hostText(name, host) {
+  if (!name || !host || host.startsWith(name)) return host ?? name ?? t("desk.unknown");
+  return t("desk.host_on", { name, host });
+}
+
+const WARNINGS = {
+  silent: "desk.health_silent",
+  low_supply: "desk.health_low_supply",
+  under_voltage: "desk.health_under_voltage",
+  deaf: "desk.health_deaf",
+  wrong_light: "desk.health_wrong_light",
+};
+
+/** How a robot is, in a few words; null: it has said nothing. */
+export function healthText(health) {
+  if (health === null) return t("desk.health_unknown");
+  const { board, temperature, wifi, warnings } = health;
+  const battery = board?.battery;
+  const signs = warnings.map((warning) => t(WARNINGS[warning]));
+  const facts = [
+    board?.supply > 0 && voltText(board.supply),
+    battery > 0 && t("desk.health_battery", { volt: voltText(battery) }),
+    temperature !== 0 && t("desk.health_temperature", { n: number(Math.round(temperature)) }),
+    wifi !== 0 && t("desk.health_wifi", { n: number(wifi) }),
+  ];
+  const text = [...signs, ...facts.filter(Boolean)].join(", ");
+  return { text: text || t("desk.health_fine"), level: warnings.length > 0 ? "bad" : "" };
+}
+
+const voltText = (millivolts) => `${number(Math.round(millivolts / 10) / 100)} V`;
+
+const RESETS = ["power on", "reset pin", "supply too low", "watchdog"]; // by bit, as in BoardHealth.msg
+
+/** All that a robot says of itself, for who looks closer; as the log, in English. */
+export function healthDetails(health) {
+  if (health === null) return "";
+  const { board, age, cpu } = health;
+  const pi = [`heard ${Math.round(age)} s ago`, `CPU ${Math.round(cpu * 100)} %`];
+  if (board === null) return [...pi, "no report of the Arduino"].join(", ");
+  const resets = RESETS.filter((_, bit) => board.reset_cause & (1 << bit)).join(" and ") || "unknown";
+  return [
+    ...pi,
+    `firmware ${board.major}.${board.minor} (${board.hash.toString(16).padStart(4, "0")})`,
+    `up ${clockText(board.uptime)}, last reset: ${resets}`,
+    `longest turn ${board.loop_max} us, serial round trip ${board.round_trip} us`,
+    `serial errors ${board.serial_errors}, resyncs ${board.resyncs}, overruns ${board.overruns}`,
+    `light packets ${board.packets}, broken ones ${board.bad_packets}, shots ${board.shots}`,
+  ].join("\n");
+}
+
+/** What a player does now. */
+export function playerText({ life, ready, seat_left, page_age }) {
+  return {
+    life: percent(life),
+    ready: t(ready ? "desk.is_ready" : "desk.not_ready"),
+    seat: seat_left > 0 ? t("desk.seconds", { n: Math.ceil(seat_left) }) : t("desk.stays"),
+    page: { text: ageText(page_age), level: page_age > 5 ? "bad" : "" },
+  };
+}
+
+/** What somebody who waits is told. */
+export function waiterText({ offer, seconds }) {
+  if (offer === null) return t("desk.wait", { n: Math.max(1, Math.round(seconds / 60)) });
+  return t("desk.offered", { id: offer, n: Math.ceil(seconds) });
+}
+
+/** The rules that the words name; one that is newer is shown by its own name. */
+const RULE_NAMES = {
+  hit_damage: "desk.rule_hit_damage",
+  countdown: "desk.rule_countdown",
+  battle_limit: "desk.rule_battle_limit",
+  player_timeout: "desk.rule_player_timeout",
+  seat_timeout: "desk.rule_seat_timeout",
+  idle: "desk.rule_idle",
+  offer: "desk.rule_offer",
+  battles_in_row: "desk.rule_battles_in_row",
+  seats: "desk.rule_seats",
+  practice: "desk.rule_practice",
+  light: "desk.rule_light",
+  teams: "desk.rule_teams",
+  friendly_fire: "desk.rule_friendly_fire",
+  light_damage: "desk.rule_light_damage",
+  hide_cameras: "desk.rule_hide_cameras",
+};
+
+/** A rule's name for people. */
+export const ruleName = (key) => (RULE_NAMES[key] ? t(RULE_NAMES[key]) : sentence(key.replaceAll("_", " ")));
+
+const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
+
+function valueText(value) {
+  if (typeof value === "boolean") return t(value ? "desk.on" : "desk.off");
+  return typeof value === "number" ? number(value) : value;
+}
+
+/**
+ * What a rule means, which values it takes and which is its default.
+ * @returns {{meaning: string, bounds: string}} the meaning is the server's, in English
+ */
+export function ruleText({ default: standard, min, max, text }) {
+  const range = min === null ? "" : `${t("desk.rule_range", { min, max })} `;
+  // an environment's flag is 0 or 1, the desk's a box; the server's text is Markdown
+  const meaning = text.replace(/^1: /, "").replaceAll("`", "");
+  return { meaning: `${sentence(meaning)}.`, bounds: `${range}${t("desk.rule_default", { value: valueText(standard) })}` };
+}
+
+/**
+ * The rules that a form wants otherwise than they are.
+ * @param {Record<string, number|boolean|string>} wanted
+ * @param {Record<string, {value: number|boolean|string}>} rules
+ */
+export function changedRules(wanted, rules) {
+  return Object.fromEntries(Object.entries(wanted).filter(([name, value]) => rules[name].value !== value));
+}
+
+/** The words of a text with one on each line, each once. */
+export function parseWords(text) {
+  return [...new Set(text.split("\n").map((word) => word.trim()))].filter(Boolean);
+}
+
+/** A moment (unix s) as a clock on the operator's wall, which has 24 hours. */
+export function timeText(at) {
+  return dateTime(new Date(at * 1000), { timeStyle: "medium", hourCycle: "h23" });
+}
+
+const LATE = 1; // s; the picture is grey then
+
+/**
+ * A camera that somebody looks through, as the relay's figures tell of it.
+ * @param {{robot: number, viewers: number, rate: number, age: number|null, kilobytes: number|null, state: string}} camera
+ */
+export function cameraRow({ robot, viewers, rate, age, kilobytes, state }) {
+  return {
+    id: t("desk.robot_id", { id: robot }),
+    state: { text: t(`desk.camera_${state}`), level: state === "waiting" ? "bad" : "" },
+    viewers: number(viewers),
+    rate: t("desk.per_second", { n: number(rate) }),
+    age: age === null ? "-" : { text: t("desk.camera_seconds", { n: number(age, { maximumFractionDigits: 2 }) }), level: age > LATE ? "bad" : "" },
+    size: kilobytes === null ? "-" : t("desk.kilobytes", { n: number(kilobytes) }),
+  };
+}

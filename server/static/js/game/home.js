@@ -1,0 +1,371 @@
+// The game page: who am I, what is the state of the battle, where do my commands go.
+
+import { arenaAddress, socketAddress } from "../common/addresses.js";
+import * as api from "../common/api.js";
+import { ArenaView } from "../common/arena_view.js";
+import { Connection } from "../drive/connection.js";
+import * as dialogs from "../common/dialogs.js";
+import { Driver } from "../drive/driver.js";
+import { Laser, count } from "./effects.js";
+import { Eyes } from "./own_camera.js";
+import { Feel } from "../battle/feedback.js";
+import { FeedList } from "../battle/feed_words.js";
+import { connectGame } from "./controls.js";
+import { connectSwitches, settingsForm } from "./settings.js";
+import { Heartbeat } from "./heartbeat.js";
+import { help } from "../common/help.js";
+import { HitMarks } from "./hit_marks.js";
+import { makeJolt, vibrate } from "../common/jolt.js";
+import { LinkQuality } from "./link.js";
+import { fromReply, fromTopic } from "../battle/messages.js";
+import { arenaPlayers } from "../battle/players.js";
+import { connectPreferences } from "../common/preferences.js";
+import { Preferences } from "../common/preferences_store.js";
+import { showResult } from "./result.js";
+import { Speaker } from "../common/speaker.js";
+import * as state from "../battle/state.js";
+import * as storage from "../common/storage.js";
+import { Tally } from "./own_stats.js";
+import { TeamChoice } from "../battle/team_view.js";
+import * as view from "./view.js";
+import { t } from "../common/words.js";
+
+const TICK = 500; // ms between two looks at whether a heartbeat is due
+const RETRY = 1000; // ms between two attempts to reach the server at the start
+const CORNER = 0.5; // scale of the arena in the corner, as in css/eyes.css
+const REFUSED = 3000; // ms that a refusal is shown; rosbridge repeats it every second while commands come
+
+const byId = (id) => document.getElementById(id);
+
+/** One signed-in player on this page, from login to leaving. */
+class Game {
+  #me; // { name, robot, avatar, date }
+  #status = null;
+  #connection;
+  #heartbeat;
+  #driver;
+  #arena;
+  #eyes;
+  #tally;
+  #feed = new FeedList(byId("feed"));
+  #quality = new LinkQuality();
+  #pulse = new Worker(document.querySelector("meta[name=pulse]").content);
+  #timer = null;
+  #left = false;
+  #asking = false; // a change of ready is under way
+  #checking = null; // the question for the session that is under way
+  #serverWasLost = false;
+  #refusal = "";
+  #refusalTimer = null;
+  #signingOut = false;
+  #preferences = new Preferences();
+  #speaker = new Speaker(this.#preferences);
+  #feel = new Feel({ speaker: this.#speaker, vibrate, jolt: makeJolt(byId("stage"), byId("flash")) });
+  #laser = new Laser(byId("beam"));
+  #marks = new HitMarks(byId("hit-mark"), byId("hit-note"));
+  #teams = new TeamChoice(byId("teams"), (team) => this.#chooseTeam(team));
+
+  constructor(me, arena) {
+    this.#me = me;
+    this.#arena = arena;
+    this.#tally = new Tally(me.name, () => performance.now());
+    this.#connection = new Connection({
+      url: socketAddress("rosbridge"),
+      onStatus: (message) => {
+        this.#heartbeat.tick(false);
+        this.#take(fromTopic(message));
+      },
+      onChange: () => {
+        this.#quality.clear();
+        this.#showConnection();
+      },
+      onRefusal: (reason) => this.#refuse(reason),
+      onRoundTrip: (ms) => {
+        this.#quality.add(ms);
+        this.#showConnection();
+      },
+      getTicket: () => this.#checkSession(),
+    });
+    this.#heartbeat = new Heartbeat({
+      post: () => {
+        this.#pulse.postMessage("the page is not too busy");
+        return api.gameStatus();
+      },
+      now: () => performance.now(),
+      onReply: (reply) => this.#connection.up || this.#take(fromReply(reply, this.#status)),
+      onLost: () => {
+        this.#serverWasLost = true;
+        this.#showConnection();
+      },
+      onBack: () => {
+        this.#showConnection();
+        this.#checkSession(); // the server may have forgotten its players
+      },
+    });
+    this.#eyes = new Eyes({
+      robot: me.robot,
+      hasArena: arena !== null,
+      preferences: this.#preferences,
+      getTicket: () => this.#checkSession(),
+      onView: (view) => {
+        if (arena) arena.scale = view === "eyes" ? CORNER : 1;
+      },
+    });
+    this.#driver = new Driver({
+      send: (command) => {
+        const sent = this.#connection.publish(me.robot, command);
+        if (!sent || !command.shoot || this.#refusal || !this.#feel.fire(performance.now())) return;
+        this.#laser.fire();
+        this.#tally.shot();
+      },
+      every: (ms, act) => {
+        const timer = setInterval(act, ms);
+        return () => clearInterval(timer);
+      },
+    });
+  }
+
+  start() {
+    view.showPlayer(this.#me);
+    this.#showConnection();
+    connectGame({
+      driver: this.#driver,
+      preferences: this.#preferences,
+      speaker: this.#speaker,
+      thumbs: byId("thumbs"),
+      padHint: byId("pad-hint"),
+      onChange: () => view.showHeld(this.#driver.actions),
+      onReady: () => this.#toggleReady(),
+    });
+    connectSwitches({ sound: byId("sound"), fullscreen: byId("fullscreen") }, this.#preferences);
+    byId("ready-btn").addEventListener("click", () => this.#toggleReady());
+    byId("settings").addEventListener("click", () => this.#pause(() => this.#showSettings()));
+    byId("sign-out").addEventListener("click", () => this.#askSignOut());
+    byId("how-to").addEventListener("click", () => this.#pause(help));
+    this.#connection.start();
+    this.#eyes.start();
+    const beat = () => this.#heartbeat.tick(!this.#connection.up);
+    this.#timer = setInterval(beat, TICK);
+    beat();
+  }
+
+  /** A new state of the battle has arrived. */
+  #take(status) {
+    if (this.#left) return;
+    const { name } = this.#me;
+    const previous = this.#status;
+    const me = state.findUser(status, name);
+    if (!me) {
+      this.#checkSession();
+      return;
+    }
+    this.#status = status;
+    if (state.mayDrive(status, name) && !this.#signingOut) this.#driver.start();
+    else this.#stopDriving();
+    if (me.avatar !== this.#me.avatar && this.#connection.up) this.#me.avatar = me.avatar;
+    this.#tally.take(previous, status);
+    view.showPlayer(this.#me);
+    view.showStatus(status, name, this.#refusal);
+    this.#teams.show(state.teamChoice(status, name));
+    if (view.showCountdown(status)) count(byId("countdown"));
+    view.announce(state.announcement(previous, status, name));
+    this.#feed.take(previous, status);
+    this.#arena?.show({ ...arenaPlayers(status, name), labels: { you: t("game.you") } });
+    this.#feel.take(previous, status, name);
+    this.#marks.take(previous, status, name);
+    if (state.hasEnded(previous, status, name)) this.#showResult(status);
+    else if (status.game !== state.STOPPED && previous?.game === state.STOPPED) dialogs.closeAll(); // the next one begins
+  }
+
+  #stopDriving() {
+    if (!this.#driver.driving) return;
+    this.#driver.stop();
+    this.#connection.unadvertise();
+    view.showHeld(this.#driver.actions);
+    this.#setRefusal("");
+  }
+
+  /** rosbridge refuses this page's commands. That the last stop of a battle comes too late is no news. */
+  #refuse(reason) {
+    if (!this.#driver.driving) return;
+    this.#setRefusal(state.refusalText(reason));
+    this.#connection.signIn();
+  }
+
+  #setRefusal(text) {
+    clearTimeout(this.#refusalTimer);
+    if (text) this.#refusalTimer = setTimeout(() => this.#setRefusal(""), REFUSED);
+    if (text === this.#refusal) return;
+    this.#refusal = text;
+    view.showStatus(this.#status, this.#me.name, text);
+    view.announce(text);
+  }
+
+  /** Let go of the controls, then show a dialog. */
+  #pause(showDialog) {
+    this.#driver.releaseAll();
+    view.showHeld(this.#driver.actions);
+    return showDialog();
+  }
+
+  async #showResult(status) {
+    const answer = await showResult(status, this.#me.name, this.#tally.values);
+    if (answer === "ok") this.#setReady(true);
+    else if (answer === "give") this.#signOut("/watch");
+  }
+
+  #showConnection() {
+    view.showConnection(state.connectionState(this.#connection.up, !this.#heartbeat.lost), this.#quality.value);
+  }
+
+  #toggleReady() {
+    const me = this.#status && state.findUser(this.#status, this.#me.name);
+    if (me && !state.readyButton(this.#status, me.name).hidden) this.#setReady(!me.ready);
+  }
+
+  #showSettings() {
+    return dialogs.show({ kind: null, title: t("home.settings"), body: [settingsForm(this.#preferences, this.#speaker)] });
+  }
+
+  async #setReady(ready) {
+    if (this.#asking) return;
+    this.#asking = true;
+    const reply = await api.setReady(this.#me.name, ready).catch(() => null);
+    this.#asking = false;
+    if (!reply) {
+      dialogs.toast(t("home.no_answer"));
+    } else if (reply.status === "STARTED") {
+      dialogs.show({ title: t("home.running"), text: t("home.running_text") });
+    } else if (reply.status === "ROBOT_UNAVAILABLE") {
+      dialogs.toast(t("home.robot_away"));
+    } else if (reply.status !== "OK") {
+      console.error("playerReady:", reply.body);
+      this.#checkSession();
+    }
+  }
+
+  async #chooseTeam(team) {
+    const reply = await api.chooseTeam(this.#me.name, team).catch(() => null);
+    if (!reply) dialogs.toast(t("home.no_answer"));
+    else if (reply.status === "STARTED") dialogs.show({ title: t("home.running"), text: t("home.running_text") });
+    else if (reply.status !== "OK") console.error("chooseTeam:", reply.body);
+  }
+
+  async #askSignOut() {
+    const sure = await this.#pause(() =>
+      dialogs.show({
+        kind: "warning",
+        title: t("home.sure"),
+        text: t("home.sure_text"),
+        ok: t("home.sign_out"),
+        cancel: t("common.cancel"),
+      }),
+    );
+    if (sure) this.#signOut("/");
+    else dialogs.toast(t("home.still"));
+  }
+
+  /** Give the robot back and go to another page. */
+  async #signOut(page) {
+    this.#signingOut = true; // the next news of the battle must not hand the controls back
+    this.#stopDriving();
+    const reply = await api.signOut(this.#me.name).catch(() => null);
+    this.#signingOut = false;
+    if (reply?.status === "OK") {
+      this.#leave({ kind: "success", title: t("home.signed_out"), text: t("home.signed_out_text") }, 1500, page);
+    } else if (reply?.status === "UNREGISTERED") {
+      const text = t("home.unknown", { name: this.#me.name });
+      this.#leave({ kind: "error", title: t("home.not_logged_in"), text }, 1500, page);
+    } else {
+      const text = reply ? (reply.error ?? reply.body) : t("home.does_not_answer");
+      dialogs.show({ kind: "error", title: t("home.still_signed_in"), text });
+    }
+  }
+
+  /** Ask the server whether this page's player is still signed in: the session, or null. If not, say so once and go. */
+  #checkSession() {
+    this.#checking ??= this.#askForSession().finally(() => (this.#checking = null));
+    return this.#checking;
+  }
+
+  async #askForSession() {
+    const session = await api.session().catch(() => null); // no answer: the heartbeat goes on asking
+    if (!session || this.#left) return null;
+    if (session.status === "UNREGISTERED") {
+      const why = this.#serverWasLost ? "restarted" : "robot_lost";
+      this.#leave({ kind: "error", title: t(`home.${why}`), text: t(`home.${why}_text`) }, 2500);
+    } else if (session.status === "QUEUED") {
+      this.#leave({ kind: "info", title: t("home.turn_over"), text: t("home.turn_over_text") }, 4000);
+    } else if (session.user !== this.#me.name || session.robot !== this.#me.robot) {
+      location.reload(); // another tab of this browser has signed in again
+    } else {
+      this.#serverWasLost = false;
+      return session;
+    }
+    return null;
+  }
+
+  /** The end of this page: say why, then to another one after `ms`. */
+  #leave(message, ms, page = "/") {
+    this.#left = true;
+    clearInterval(this.#timer);
+    this.#stopDriving();
+    this.#feel.stop();
+    this.#pulse.terminate();
+    this.#connection.stop();
+    this.#eyes.stop();
+    storage.forget();
+    dialogs.show({ ...message, ok: null });
+    setTimeout(() => location.replace(page), ms);
+  }
+}
+
+/** The player of this browser's session, as the server knows him. Waits for the server. */
+async function whoAmI() {
+  for (;;) {
+    try {
+      return await api.session();
+    } catch {
+      view.showConnection(state.connectionState(false, false), null);
+      await new Promise((resolve) => setTimeout(resolve, RETRY));
+    }
+  }
+}
+
+/** The arena's picture on the stage, where there is one: it is on the host that served this page. */
+function openArena() {
+  const url = arenaAddress();
+  if (!url) return null;
+  document.body.classList.add("has-arena");
+  return new ArenaView({
+    frame: byId("arena"),
+    url,
+    onState: (arena) => {
+      document.body.dataset.arena = arena;
+      view.showArenaNote(arena === "live" ? "" : t(`game.arena_${arena}`));
+    },
+  });
+}
+
+async function main() {
+  const session = await whoAmI();
+  if (session.status === "QUEUED") {
+    location.replace("/");
+    return;
+  }
+  if (session.status !== "OK") {
+    storage.forget();
+    dialogs.show({ kind: "warning", title: t("home.not_logged_in"), text: t("home.back"), ok: null });
+    setTimeout(() => location.replace("/"), 2000);
+    return;
+  }
+  let user = storage.load();
+  if (user?.name !== session.user || user.robotN !== session.robot) {
+    user = storage.save(session.user, session.robot, 0, new Date());
+  }
+  new Game({ name: session.user, robot: session.robot, avatar: user.imgIndex, date: user.date }, openArena()).start();
+}
+
+connectPreferences();
+addEventListener("pageshow", (event) => event.persisted && location.reload()); // the sockets of a restored page are dead
+main();

@@ -1,0 +1,76 @@
+// The own robot's camera on the stage, with the arena in its corner; and the key and the buttons that choose between them.
+
+import { socketAddress } from "../common/addresses.js";
+import { Camera } from "../camera/relay.js";
+import { CameraView } from "../camera/view.js";
+import { isForPage } from "../drive/controls.js";
+import { isViewKey } from "../drive/keys.js";
+import { Sights } from "./view_choice.js";
+
+const byId = (id) => document.getElementById(id);
+
+export class Eyes {
+  #robot;
+  #preferences;
+  #sights;
+  #camera;
+  #onView;
+  #picture = new CameraView({ canvas: byId("camera"), note: byId("camera-note"), age: byId("camera-age") });
+
+  /**
+   * @param {object} wiring
+   * @param {number} wiring.robot the player's
+   * @param {boolean} wiring.hasArena whether the stage has a picture of the arena, too
+   * @param {import("../common/preferences_store.js").Preferences} wiring.preferences
+   * @param {() => Promise<{user: string, ticket: string}|null>} wiring.getTicket for the player of this page
+   * @param {(view: import("./view_choice.js").View) => void} wiring.onView what the stage shows now
+   */
+  constructor({ robot, hasArena, preferences, getTicket, onView }) {
+    this.#robot = robot;
+    this.#preferences = preferences;
+    this.#onView = onView;
+    this.#sights = new Sights(hasArena, preferences.get("view"));
+    this.#camera = new Camera({
+      url: socketAddress("relay"),
+      getTicket,
+      onState: (state) => this.#take(state),
+      onPicture: (bitmap, takenAt) => this.#picture.draw(bitmap, takenAt),
+    });
+    byId("view").addEventListener("click", () => this.#toggle());
+    byId("to-arena").addEventListener("click", () => this.#toggle());
+    addEventListener("keydown", (event) => {
+      if (isViewKey(event) && !event.repeat && !isForPage(event)) this.#toggle();
+    });
+  }
+
+  start() {
+    this.#camera.watch(this.#robot);
+    this.#camera.start();
+  }
+
+  stop() {
+    this.#camera.stop();
+  }
+
+  #take(state) {
+    this.#sights.take(state);
+    if (state.state === "none") this.#picture.clear();
+    else this.#picture.show(state);
+    this.#show();
+  }
+
+  #toggle() {
+    if (!this.#sights.canSwitch) return;
+    this.#preferences.set("view", this.#sights.toggle());
+    this.#show();
+  }
+
+  #show() {
+    const { view, canSwitch, rests } = this.#sights;
+    this.#camera.watch(rests ? null : this.#robot);
+    byId("stage").dataset.view = view;
+    this.#onView(view);
+    byId("view").hidden = !canSwitch;
+    byId("view").setAttribute("aria-pressed", String(view === "eyes"));
+  }
+}

@@ -1,0 +1,196 @@
+// The login page.
+
+import { arenaAddress } from "../common/addresses.js";
+import * as api from "../common/api.js";
+import { ArenaView } from "../common/arena_view.js";
+import { avatarUrl } from "../common/assets.js";
+import * as dialogs from "../common/dialogs.js";
+import { setText } from "../common/dom.js";
+import { Feel } from "../battle/feedback.js";
+import { help } from "../common/help.js";
+import { vibrate } from "../common/jolt.js";
+import { isValidName, loginDialog } from "./login.js";
+import { connectPreferences } from "../common/preferences.js";
+import { Preferences } from "../common/preferences_store.js";
+import { queueText } from "../battle/queue.js";
+import { Speaker } from "../common/speaker.js";
+import * as storage from "../common/storage.js";
+import { t } from "../common/words.js";
+
+const POLL = 1000; // ms between two questions for free robots
+
+const form = document.getElementById("login");
+const nameField = document.getElementById("username");
+const picture = document.getElementById("userImage");
+const robots = document.getElementById("availableR");
+const message = document.getElementById("message");
+const choice = document.getElementById("robot");
+const connectionState = document.getElementById("connection-state");
+
+const queue = document.getElementById("queue");
+const take = document.getElementById("take");
+
+const speaker = new Speaker(new Preferences());
+const feel = new Feel({ speaker, vibrate });
+
+let avatar = Math.floor(Math.random() * storage.AVATARS);
+let entered = false; // the page goes
+let busy = false;
+
+function showAvatar() {
+  picture.src = avatarUrl(avatar);
+  picture.alt = t("login.picture", { n: avatar + 1, all: storage.AVATARS });
+}
+
+/** Sign up and go to the battle. The reply, also where the page itself says no. */
+async function logIn() {
+  const name = nameField.value.trim().normalize("NFC");
+  if (!isValidName(name)) return { status: "BAD_NAME" };
+  if (!storage.isAvailable()) return { status: "NO_STORAGE" };
+  const reply = await api.signUp(name, avatar, choice.value).catch(() => ({ status: "NO_ANSWER" }));
+  if (reply.status === "OK") enter(reply);
+  else if (reply.status === "QUEUED") waitForRobot();
+  return reply;
+}
+
+/** Go to the own robot. Whoever takes an offer may hear of it twice before the page has gone. */
+function enter({ user, robot }) {
+  if (entered) return;
+  entered = true;
+  storage.save(user, robot, avatar, new Date());
+  location.assign("/home");
+}
+
+/** Show the queue until there is a robot, or the visitor goes. */
+async function waitForRobot() {
+  for (;;) {
+    const session = await api.session().catch(() => null);
+    if (session?.status === "OK") return enter(session);
+    if (session?.status === "UNREGISTERED") break;
+    if (session) showQueue(session);
+    await new Promise((resolve) => setTimeout(resolve, POLL));
+  }
+  if (!take.hidden) {
+    dialogs.show({ kind: "info", title: t("login.gone"), text: t("login.gone_text") });
+  }
+  document.body.classList.remove("is-queued");
+  queue.hidden = true;
+  take.hidden = true;
+  nameField.focus();
+}
+
+function showQueue(session) {
+  const { title, text } = queueText(session);
+  queue.hidden = false;
+  document.body.classList.add("is-queued");
+  setText(document.getElementById("queue-title"), title);
+  setText(document.getElementById("queue-text"), text);
+  if (take.hidden && session.offer !== null) {
+    feel.offer();
+    take.hidden = false;
+    take.focus();
+  }
+  take.hidden = session.offer === null;
+}
+
+/** Who is still signed in from this browser may go on, or give the robot back. What the server does not know any more is forgotten. */
+async function offerRestore() {
+  const session = await api.session().catch(() => null);
+  if (!session || busy) return;
+  if (session.status === "QUEUED") {
+    nameField.value = session.user;
+    waitForRobot();
+    return;
+  }
+  if (session.status !== "OK") {
+    storage.forget();
+    return;
+  }
+  setText(document.getElementById("restore-title"), t("login.restore", { name: session.user }));
+  setText(document.getElementById("restore-text"), t("login.restore_text", { id: String(session.robot) }));
+  showRestore(true);
+  document.getElementById("go-on").focus();
+  document.getElementById("sign-out").addEventListener("click", async () => {
+    await api.signOut(session.user).catch(() => null);
+    storage.forget();
+    showRestore(false);
+    nameField.focus();
+  });
+}
+
+function showRestore(is) {
+  document.getElementById("restore").hidden = !is;
+  document.body.classList.toggle("is-restored", is);
+}
+
+/** Offer the `free` robots, and any of them. One that is chosen and gone is offered on: only the server says no. */
+function showChoice(free) {
+  const chosen = choice.value;
+  const ids = chosen === "" ? free : [...new Set([...free, Number(chosen)])].sort((one, other) => one - other);
+  const options = ids.map((id) => new Option(t("login.robot", { id: String(id) }), String(id)));
+  const shown = [...choice.options].slice(1).map((option) => option.value);
+  if (shown.join() !== ids.join()) choice.replaceChildren(choice.options[0], ...options);
+  choice.value = chosen;
+  choice.parentElement.hidden = ids.length < 2 && chosen === "";
+}
+
+async function showRobots() {
+  try {
+    const reply = await api.availableRobots();
+    const n = reply.availableR;
+    setText(robots, n > 0 ? t("login.free", { n }) : t("login.none_free"));
+    robots.dataset.none = n === 0;
+    robots.dataset.count = n;
+    showChoice(reply.robots);
+    message.hidden = reply.message === "";
+    setText(message, reply.message);
+    connectionState.hidden = true;
+  } catch {
+    connectionState.hidden = false;
+  }
+  setTimeout(showRobots, POLL);
+}
+
+form.addEventListener("submit", async (event) => {
+  event.preventDefault();
+  if (busy) return;
+  busy = true;
+  const reply = await logIn();
+  if (reply.status === "OK") return; // busy until the next page is there
+  busy = false; // before the dialog: its end is told late, and Enter must count as soon as it is gone
+  if (reply.status === "QUEUED") return;
+  if (reply.status === "ROBOT_UNAVAILABLE") choice.value = "";
+  dialogs.show(loginDialog(reply));
+});
+document.getElementById("avatar").addEventListener("click", () => {
+  avatar = (avatar + 1) % storage.AVATARS;
+  showAvatar();
+});
+take.addEventListener("click", async () => {
+  const reply = await api.takeRobot().catch(() => null);
+  if (reply?.status === "OK") enter(reply);
+});
+document.getElementById("leave").addEventListener("click", async () => {
+  take.hidden = true; // it is the visitor's own wish
+  await api.signOut(nameField.value.trim().normalize("NFC")).catch(() => null);
+});
+document.getElementById("how-to").addEventListener("click", help);
+addEventListener("pageshow", (event) => event.persisted && location.reload()); // back from home: all may have changed
+
+/** The arena's picture behind the page, where there is one; it stays out of sight until it is there. */
+function openArena() {
+  const url = arenaAddress();
+  if (!url) return;
+  new ArenaView({
+    frame: document.getElementById("arena"),
+    url,
+    onState: (arena) => document.body.classList.toggle("has-arena", arena === "live"),
+  });
+}
+
+connectPreferences();
+speaker.listen(window);
+openArena();
+showAvatar();
+showRobots();
+offerRestore();
