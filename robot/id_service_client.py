@@ -27,15 +27,16 @@ with missing_explained():
     from laser_bot_battle.settings import describe
     from robot.master_location import Lookout, MovedError, ReaddressedError, Whereabouts
     from robot.ping_thread import PingThread
+    from robot.registration import RegistrationError, register
     from robot.serial.find_arduino import ArduinoLostError, find_arduino
     from robot.serial.port import PortError, probe
+    from robot.serial_process import SerialNode
     from robot.settings import Settings
     from robot.status_led import Indication, State, status_led
-    from robot.subprocesses import RegistrationError, SerialNode, register
 
 require(
     "rospy", "rosgraph", "genpy", "std_msgs", "laser_bot_battle.msg._Robot_msg"
-)  # for the programs that this one starts
+)  # for the program that this one starts
 
 PROGRAM = "robot.id_service_client"
 POLL = 0.1  # s
@@ -95,16 +96,13 @@ def run_robot(settings: Settings, whereabouts: Whereabouts, led: Indication) -> 
     _log.info("asking the Arduino at %s", device)
     probe(device)
     key = secrets.token_urlsafe()  # by which the server tells this robot's pings from others'
-    robot_id, registered = register(place, key, wanted=lambda: True), True
+    robot_id, registered = register(place.ros_master_uri, settings.caller_id, key, wanted=lambda: True), True
     while True:
         with SerialNode(device, robot_id, place) as node, Lookout(place) as lookout:
             try:
                 if not registered:
-                    last, robot_id, registered = (
-                        robot_id,
-                        register_again(node, place, key, lookout, settings.retry),
-                        True,
-                    )
+                    last, robot_id = robot_id, register_again(node, place, key, lookout, settings)
+                    registered = True
                     if robot_id != last:
                         continue  # under its new name
                 _log.info("New robot ID = %d", robot_id)
@@ -143,7 +141,7 @@ def supervise(node: SerialNode, pings: PingThread, lookout: Lookout, led: Indica
     raise ArduinoLostError(lost(node))
 
 
-def register_again(node: SerialNode, place: Place, key: str, lookout: Lookout, retry: float) -> int:
+def register_again(node: SerialNode, place: Place, key: str, lookout: Lookout, settings: Settings) -> int:
     """Ask until there is an ID, while the new serial node starts: so the robot moves soon after players may have it.
 
     ArduinoLostError when the serial node ends, MovedError when the server has gone to another address, ReaddressedError
@@ -158,12 +156,12 @@ def register_again(node: SerialNode, place: Place, key: str, lookout: Lookout, r
     while wanted():
         if time.monotonic() >= ask_at:
             try:
-                return register(place, key, wanted)
+                return register(place.ros_master_uri, settings.caller_id, key, wanted)
             except RegistrationError as error:
                 failed = True
                 if node.exit_code is None:
-                    _log.error("%s (again in %g s)", error, retry)
-                ask_at = time.monotonic() + retry
+                    _log.error("%s (again in %g s)", error, settings.retry)
+                ask_at = time.monotonic() + settings.retry
         time.sleep(POLL)
     raise ArduinoLostError(lost(node))
 

@@ -14,6 +14,7 @@ PACKAGES = {
     "genpy": "apt install python3-genpy",
     "std_msgs": "apt install python3-std-msgs",
     "laser_bot_battle": "run ci/messages, then set PYTHONPATH=build/python",
+    "tcpros": "run ci/messages, then set PYTHONPATH=build/python",
 }
 
 

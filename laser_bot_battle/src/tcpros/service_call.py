@@ -4,6 +4,7 @@ import asyncio
 import socket
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import contextmanager
+from types import MappingProxyType
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -24,12 +25,17 @@ class ServiceCaller:
         self._master = master
 
     async def call(
-        self, service: str, make_request: MakeRequest, timeout: float, md5sum: str
+        self,
+        service: str,
+        make_request: MakeRequest,
+        timeout: float,
+        md5sum: str,
+        fields: Mapping[str, str] = MappingProxyType({}),
     ) -> tuple[bytes, Mapping[str, str]]:
-        """See Node.call."""
+        """See Node.call. `fields` are further ones of the connection's header."""
         with service_errors(timeout):
             async with asyncio.timeout(timeout):
-                connected, header = await self._connect(service, md5sum=md5sum)
+                connected, header = await self._connect(service, md5sum=md5sum, **fields)
                 try:
                     request = make_request(header)
                 except BaseException:

@@ -22,12 +22,9 @@ def test_a_robot_joins_the_only_arena_without_any_address(lan: Lan, tmp_path: Pa
 
 
 @pytest.mark.slow
-def test_its_parts_find_the_arena_when_they_are_started_by_hand(lan: Lan, tmp_path: Path) -> None:
+def test_the_serial_node_finds_the_arena_when_it_is_started_by_hand(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
     with LanMaster(home, "hall", tmp_path):
-        register = away.python("robot.register", env={**NOTHING_GIVEN, "LASERBOT_ROBOT_NAME": "by hand"})
-        assert register.process.wait(30) == 0, register.output
-        assert register.output.endswith("\n0\n")
         device = tmp_path / "ttyACM0"
         firmware = ROOT / "build/firmware/laserbot.elf"
         uno = away.program(
@@ -39,9 +36,9 @@ def test_its_parts_find_the_arena_when_they_are_started_by_hand(lan: Lan, tmp_pa
         node.wait_for("/Robot0 serves")
         assert node.stop() == 0
         uno.kill()
-    lonely = away.python("robot.register", env=NOTHING_GIVEN)
+    lonely = away.python("robot.serial_node", str(device), env=NOTHING_GIVEN)
     assert lonely.process.wait(30) == 1
-    assert lonely.output.startswith("no arena announces itself in this network")
+    assert "no arena announces itself in this network" in lonely.output
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])

@@ -64,4 +64,4 @@ def test_what_a_part_has_left_over_is_found_by_its_name():
     assert leaks(quiet, {**quiet, "server.main": Counts(1, 20, 51 + MORE_FILES)}) == [
         f"server.main: 50 open files became {51 + MORE_FILES}"
     ]
-    assert leaks(quiet, {**quiet, "robot.register": Counts(1, 1, 5)}) == ["robot.register: 0 processes became 1"]
+    assert leaks(quiet, {**quiet, "robot.camera": Counts(1, 1, 5)}) == ["robot.camera: 0 processes became 1"]

@@ -1,0 +1,62 @@
+"""The serial node as a child of the supervisor. It has a process group of its own: Ctrl-C reaches the supervisor only,
+which then ends it."""
+
+import os
+import subprocess
+import sys
+
+from laser_bot_battle.names import (
+    command_topic,
+    hit_topic,
+    identify_topic,
+    response_topic,
+    robot_node,
+    setup_topic,
+)
+from laser_bot_battle.place import Place
+
+STOP_TIMEOUT = 1.0  # s
+
+
+class SerialNode:
+    """`python3 -m robot.serial_node` as the ROS node Robot<ID>; a context manager that ends it."""
+
+    def __init__(self, device: str, robot_id: int, place: Place) -> None:
+        self._process = subprocess.Popen(
+            [
+                sys.executable,
+                "-m",
+                "robot.serial_node",
+                device,
+                "--end-with-stdin",
+                f"__name:={robot_node(robot_id)}",
+                f"command:={command_topic(robot_id)}",
+                f"response:={response_topic(robot_id)}",
+                f"hit:={hit_topic(robot_id)}",
+                f"setup:={setup_topic(robot_id)}",
+                f"identify:={identify_topic(robot_id)}",
+            ],
+            env={**os.environ, **place.environment()},
+            stdin=subprocess.PIPE,
+            process_group=0,
+        )
+
+    def __enter__(self) -> "SerialNode":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Politely, then by force."""
+        if self.exit_code is None:
+            self._process.terminate()
+            try:
+                self._process.wait(STOP_TIMEOUT)
+            except subprocess.TimeoutExpired:
+                self._process.kill()
+                self._process.wait()
+        assert self._process.stdin
+        self._process.stdin.close()
+
+    @property
+    def exit_code(self) -> int | None:
+        """None while it runs, negative if a signal ended it."""
+        return self._process.poll()
