@@ -19,18 +19,18 @@ import threading
 
 from robot.installed import missing_explained
 
-# rospy imports NumPy, whose OpenBLAS would start threads: with them there is no real-time priority
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
 with missing_explained():
+    from laser_bot_battle import priority  # isort: split
+
     import rosgraph.names
     import rospy
 
-    from laser_bot_battle import priority, variables
+    from laser_bot_battle import variables
     from laser_bot_battle.announcement import NoArenaError
     from laser_bot_battle.log import configure_logging
     from laser_bot_battle.master import Master, MasterWatch
     from laser_bot_battle.ros_environment import ros_environment
-    from laser_bot_battle.rospy_guard import guard_rospy, guard_services
+    from laser_bot_battle.rospy_cures import cure_rospy, cure_services
     from laser_bot_battle.settings import describe
     from robot.camera.address import tell_camera
     from robot.health import HealthThread
@@ -117,9 +117,9 @@ def main() -> int:
 
 def serve(port: SerialPort, waker: Waker, master: Master, log_level: str) -> int:
     """Be the node until something ends it; returns the exit code."""
-    guard_rospy()
+    cure_rospy()
     rospy.init_node(NODE, disable_signals=True)
-    guard_services()
+    cure_services()
     number = rospy.get_name().removeprefix("/Robot")
     configure_logging(log_level, **({"robot": int(number)} if number.isascii() and number.isdigit() else {}))
     rospy.on_shutdown(lambda: waker.end("another node has taken this node's name"))

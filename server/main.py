@@ -26,8 +26,8 @@ from server.ros.hits import Hits
 from server.ros.id_service_server import IdServiceServer
 from server.ros.node import rospy_node
 from server.ros.positions import PositionsListener
-from server.ros.presence import Links
-from server.ros.robot_commands import Orders
+from server.ros.presence import Presence
+from server.ros.robot_commands import RobotCommands
 from server.ros.status import StatusPublisher
 from server.store.database import Database
 from server.store.log import EventLog
@@ -76,27 +76,27 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
     game.add_recorder(log.record)
     health = RobotsHealth()
     master = Master(settings.node.master_uri, SERVER_NODE)
-    hits, orders, reports = Hits(game, master), Orders(master), HealthListener(health, master)
+    hits, commands, reports = Hits(game, master), RobotCommands(), HealthListener(health, master)
     positions = PositionsListener(database.keep_piece)
-    links = Links(game, master)
+    presence = Presence(game, master)
     game.add_listener(StatusPublisher(health).publish)
-    for robots in (hits, orders, reports, health):
+    for robots in (hits, commands, reports, health):
         game.add_listener(robots.follow)
-    game.add_listener(links.follow)
+    game.add_listener(presence.follow)
     game.add_listener(positions.follow)
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
     access = Access(settings.operator_token)
-    desk = create_operator_api(game, settings, access, database, log, health=health, identify=orders.identify)
+    desk = create_operator_api(game, settings, access, database, log, health=health, identify=commands.identify)
     watch = create_watch(game, settings, health)
     app = create_app(game, settings, watch, create_operator(access), desk)
     web = FairServer(app, listener, channels)
     game.add_listener(Pulse(web).follow)
     game.start()
     node.start_thread("hits", hits.run)
-    node.start_thread("orders", orders.run)
+    node.start_thread("commands", commands.run)
     node.start_thread("health", reports.run)
-    node.start_thread("links", links.run)
+    node.start_thread("presence", presence.run)
     serving = node.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.node.bind, settings.node.port)
     owner = Owner(lambda: figures(game, health, hits.told(), lambda: database.problem), lambda: _missing(game))
@@ -110,9 +110,9 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
         with suppress(OSError):  # the loop was awake, and has closed the trigger before it was pulled
             web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
         serving.join(_CLOSE_WITHIN)
-        for robots in (hits, orders, reports):
+        for robots in (hits, commands, reports):
             robots.stop()
-        links.stop()
+        presence.stop()
 
 
 def _missing(game: GameLoop) -> str:

@@ -19,7 +19,7 @@ from laser_bot_battle.master import Master, MasterWatch
 from laser_bot_battle.msg import Positions, RobotPosition
 from laser_bot_battle.names import POSITIONS, POSITIONS_NODE
 from laser_bot_battle.ros_environment import ros_environment
-from laser_bot_battle.rospy_guard import guard_rospy
+from laser_bot_battle.rospy_cures import cure_rospy
 from laser_bot_battle.settings import describe, read_or_exit
 from laser_bot_battle.variables import ALIVE_FILE, ARENA, LOG_LEVEL, ROS_MASTER_URI
 from sim.arena.geometry import Pose
@@ -64,7 +64,7 @@ async def run(master_uri: str, view: str) -> int:
     try:
         os.environ.update(ros_environment(os.environ, master_uri))
         watch.start()  # rospy would wait for an absent master for ever
-        guard_rospy()
+        cure_rospy()
         rospy.init_node(POSITIONS_NODE, disable_signals=True, disable_rosout=True)
         async with aiohttp.ClientSession() as http:
             eyes = Eyes(http, view)

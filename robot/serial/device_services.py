@@ -14,7 +14,7 @@ import rospy
 from robot.rosserial.events import ServiceInfo
 from robot.serial.device_topics import deserialised, serialised
 from robot.serial.message_types import service_class
-from robot.serial.task_thread import Errands
+from robot.task_thread import TaskThread
 
 ANSWER_TIMEOUT = 10.0  # s
 MAX_CALLS = 4  # of the device, that wait for their turn; ros_lib makes one at a time
@@ -77,7 +77,7 @@ class CalledService:
         self._send = send
         self._kind = service_class(info)
         self._proxy = rospy.ServiceProxy(info.name, self._kind)
-        self._calls = Errands(f"calls {info.name}", MAX_CALLS)
+        self._calls = TaskThread(f"calls {info.name}", MAX_CALLS)
         self.name = self._proxy.resolved_name
 
     def receive(self, payload: bytes) -> None:

@@ -2,13 +2,14 @@
 
 import io
 import logging
+import time
 from collections.abc import Callable
 from typing import Any
 
 import genpy
-import rosgraph.names
 import rospy
 
+from laser_bot_battle.rospy_cures import Subscription
 from robot.rosserial.topic_info import TopicInfo
 from robot.serial.message_types import message_class
 
@@ -57,30 +58,20 @@ class SubscribedTopic:
         self._info = info
         self._kind = message_class(info)
         self._on_command = on_command
-        self._subscriber = self._subscribed()
-        self.name = self._subscriber.resolved_name
+        self.subscription = Subscription(self._subscribe, time.monotonic())
+        self.name = self.subscription.name
 
-    def _subscribed(self) -> rospy.Subscriber:
+    def _subscribe(self) -> rospy.Subscriber:
         def received(message: genpy.Message) -> None:
             self._on_command(self._info, serialised(message))
 
         return rospy.Subscriber(self._info.topic_name, self._kind, received, queue_size=1, tcp_nodelay=True)
 
-    def hear_again(self) -> None:
-        """Subscribe anew if there is a publisher but no connection to it: rospy forgets one that appears in the moment
-        of subscribing, and one that did not answer at once. OSError, rospy.ROSException: the master did not tell."""
-        if self._subscriber.get_num_connections():
-            return
-        published = rospy.get_published_topics(rosgraph.names.namespace(self.name))
-        if self.name in (name for name, _ in published):
-            self._subscriber.unregister()
-            self._subscriber = self._subscribed()
-
     def receive(self, payload: bytes) -> None:
         """A device sends nothing on what it subscribes to."""
 
     def close(self) -> None:
-        self._subscriber.unregister()
+        self.subscription.close()
 
 
 def serialised(message: genpy.Message) -> bytes:

@@ -1,21 +1,23 @@
 """What ROS sees of the device's topics and services. They are joined to ROS by a thread of its own: the ROS master may
 be slow, and the serial line may not."""
 
-import contextlib
 import logging
+import time
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 import rosgraph.names
 import rospy
 
+from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Setup
+from laser_bot_battle.rospy_cures import hear_again
 from robot.rosserial.events import DeviceCalls, DevicePublishes, DeviceServes, DeviceSubscribes
 from robot.rosserial.topic_info import TopicInfo
 from robot.serial.device_services import CalledService, ServedService
 from robot.serial.device_topics import PublishedTopic, SubscribedTopic, TakenTopic
 from robot.serial.name_rules import refusal
-from robot.serial.task_thread import Errands
+from robot.task_thread import TaskThread
 
 _log = logging.getLogger(__name__)
 
@@ -38,16 +40,18 @@ class Endpoints:
         on_command: Callable[[TopicInfo, bytes], None],
         send: Callable[[int, bytes], None],
         taken: Mapping[str, Callable[[Any], None]],
+        master: Master,
     ) -> None:
         """`on_command(topic, payload)`: what ROS publishes; `send(id, payload)`: of a service, to the device. Both are
         called from rospy's threads. Messages of the types in `taken` are not published, but go to these functions."""
         self._on_command = on_command
         self._send = send
         self._taken = taken
+        self._master = master
         self._told: dict[int, Told] = {}
         self._open: dict[int, Endpoint] = {}  # by the id of what the device sends; of a subscribed topic, by its own
         self._hears_again = False  # waits for its turn
-        self._errands = Errands("endpoints", 0)  # the protocol limits how many there are
+        self._tasks = TaskThread("endpoints", 0)  # the protocol limits how many there are
         node = rospy.get_name()
         self._node = node
         self._remapped = {rosgraph.names.resolve_name(name, node) for name in rospy.names.get_mappings()}
@@ -58,7 +62,7 @@ class Endpoints:
         if self._told.get(key) == told:
             return
         self._told[key] = told
-        self._errands.do(lambda: self._join(key, told))
+        self._tasks.do(lambda: self._join(key, told))
 
     def receive(self, topic_id: int, payload: bytes) -> None:
         """A message of the device; nothing happens for a topic that was refused, or that is not joined yet."""
@@ -70,15 +74,16 @@ class Endpoints:
         """To be called now and then: a setup is told only once, so that its publisher must not be missed."""
         if not self._hears_again:
             self._hears_again = True
-            self._errands.do(self._hear_again)
+            self._tasks.do(self._hear_again)
 
     def _hear_again(self) -> None:
         self._hears_again = False
-        for key, endpoint in self._open.items():
-            if isinstance(endpoint, SubscribedTopic) and _words(self._told[key])[2] == Setup._type:
-                # it is another's work to notice that the master is away
-                with contextlib.suppress(OSError, rospy.ROSException):
-                    endpoint.hear_again()
+        topics = [
+            endpoint.subscription
+            for key, endpoint in self._open.items()
+            if isinstance(endpoint, SubscribedTopic) and _words(self._told[key])[2] == Setup._type
+        ]
+        hear_again(topics, self._master, time.monotonic())
 
     def _join(self, key: int, told: Told) -> None:
         old = self._open.pop(key, None)

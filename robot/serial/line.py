@@ -55,6 +55,7 @@ class SerialLine:
             self._command,
             lambda topic_id, payload: self._answer(encode(topic_id, payload)),
             {BoardHealth._type: self._heard_of_board},
+            master,
         )
         self._parameters = Parameters(master, self._answer)
         self._device_log = DeviceLogger()

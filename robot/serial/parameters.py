@@ -8,7 +8,7 @@ import rospy
 from laser_bot_battle.master import Master, MasterError
 from robot.rosserial import parameters
 from robot.rosserial.frame import HEADER
-from robot.serial.task_thread import Errands
+from robot.task_thread import TaskThread
 
 MAX_QUESTIONS = 8  # that wait; ros_lib asks one at a time, and then for 1 s
 
@@ -22,14 +22,14 @@ class Parameters:
         """`send(frame)`: to the device."""
         self._master = master
         self._send = send
-        self._errands = Errands("parameters", MAX_QUESTIONS)
+        self._tasks = TaskThread("parameters", MAX_QUESTIONS)
 
     def ask(self, name: str, room: int) -> None:
         """Have the parameter sent to the device, nothing in place of one that is absent or longer than `room` bytes.
 
         Questions that come faster than the ROS master answers are dropped.
         """
-        self._errands.do(lambda: self._send(self._answer(name, room)))
+        self._tasks.do(lambda: self._send(self._answer(name, room)))
 
     def _answer(self, name: str, room: int) -> bytes:
         try:

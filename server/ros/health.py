@@ -1,7 +1,8 @@
 """How the robots are, on `/Robot<ID>/health`. Needs an initialised node."""
 
 import math
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
@@ -10,20 +11,22 @@ import rospy
 from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Health
 from laser_bot_battle.names import health_topic
+from laser_bot_battle.rospy_cures import Subscription
 from server.game.robot_health import Report, RobotsHealth
-from server.ros.robot_topics import Endpoint, RobotTopics
+from server.ros.robot_topics import RobotSubscriptions
 
 
-class HealthListener(RobotTopics):
+class HealthListener(RobotSubscriptions):
     """Listens to exactly the robots that are registered."""
 
     def __init__(self, health: RobotsHealth, master: Master) -> None:
         super().__init__(master)
         self._health = health
 
-    def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
+    def _open(self, robot_id: int) -> Sequence[Subscription]:
         self._health.forget(robot_id)
-        return [partial(rospy.Subscriber, health_topic(robot_id), Health, self._hear, robot_id, queue_size=1)]
+        subscribe = partial(rospy.Subscriber, health_topic(robot_id), Health, self._hear, robot_id, queue_size=1)
+        return [Subscription(subscribe, time.monotonic())]
 
     def _hear(self, message: Health, robot_id: int) -> None:
         self._health.report(robot_id, to_report(message))

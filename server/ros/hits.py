@@ -5,7 +5,7 @@ import logging
 import threading
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 import rospy
@@ -14,13 +14,14 @@ from std_msgs.msg import Empty
 from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Hit, Shot
 from laser_bot_battle.names import SHOTS, hit_topic, response_topic
+from laser_bot_battle.rospy_cures import Subscription
 from server.game.loop import GameLoop
-from server.ros.robot_topics import Endpoint, RobotTopic, RobotTopics
+from server.ros.robot_topics import RobotSubscriptions
 
 _log = logging.getLogger(__name__)
 
 
-class Hits(RobotTopics):
+class Hits(RobotSubscriptions):
     """Listens to exactly the robots that are registered."""
 
     def __init__(self, game: GameLoop, master: Master) -> None:
@@ -30,7 +31,7 @@ class Hits(RobotTopics):
             {(light, counts): 0 for light in ("plain", "coded") for counts in ("yes", "no")}
         )
         listen = partial(rospy.Subscriber, SHOTS, Shot, self._shot, tcp_nodelay=True)
-        self._shots = RobotTopic(listen, time.monotonic())
+        self._shots = Subscription(listen, time.monotonic())
         super().__init__(master, self._shots)
 
     def told(self) -> dict[tuple[str, ...], int]:
@@ -43,11 +44,12 @@ class Hits(RobotTopics):
         """Whether somebody tells of shots: our rosbridge does, another one does not."""
         return self._shots.is_connected()
 
-    def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
+    def _open(self, robot_id: int) -> Sequence[Subscription]:
         subscribe = partial(rospy.Subscriber, callback_args=robot_id, tcp_nodelay=True)
+        now = time.monotonic()
         return [
-            partial(subscribe, response_topic(robot_id), Empty, self._hit),
-            partial(subscribe, hit_topic(robot_id), Hit, self._shot_hit),
+            Subscription(partial(subscribe, response_topic(robot_id), Empty, self._hit), now),
+            Subscription(partial(subscribe, hit_topic(robot_id), Hit, self._shot_hit), now),
         ]
 
     def _shot(self, message: Shot) -> None:

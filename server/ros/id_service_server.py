@@ -7,7 +7,7 @@ import rospy
 
 from laser_bot_battle.addresses import machine_of
 from laser_bot_battle.names import ADD_NEW_ROBOT, KEY_FIELD
-from laser_bot_battle.rospy_guard import PEER
+from laser_bot_battle.rospy_cures import PEER
 from laser_bot_battle.srv import AddNewRobot, AddNewRobotResponse
 from server.game.loop import GameLoop
 from server.store.roster import Roster

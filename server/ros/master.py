@@ -17,9 +17,9 @@ from rosmaster.master_api import NUM_WORKERS, ROSMasterHandler
 
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import ROS_PORT
+from laser_bot_battle.rosgraph_cures import cure_xmlrpc
 from laser_bot_battle.settings import describe, port, read_or_exit
 from laser_bot_battle.variables import LOG_LEVEL
-from laser_bot_battle.xmlrpc_guard import guard_xmlrpc
 
 POLL = 0.5  # s
 
@@ -42,7 +42,7 @@ def main() -> int:
     for end in (signal.SIGINT, signal.SIGTERM):
         signal.signal(end, lambda *_: ends.put(0))
 
-    guard_xmlrpc()
+    cure_xmlrpc()
 
     def failed(error: Exception) -> None:
         _log.error("cannot serve port %d: %s", number, getattr(error, "strerror", None) or error)

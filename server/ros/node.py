@@ -6,19 +6,19 @@ from contextlib import contextmanager
 import rospy
 
 from laser_bot_battle.log import configure_logging
-from laser_bot_battle.rospy_guard import guard_rospy, guard_services
+from laser_bot_battle.rospy_cures import cure_rospy, cure_services
 from server.program.node import Node
 
 
 @contextmanager
 def rospy_node(node: Node) -> Iterator[None]:
     """rospy's node while the program works. OSError when it cannot be started."""
-    guard_rospy()
+    cure_rospy()
     try:
         rospy.init_node(node.name, disable_signals=True, disable_rosout=True)
     except rospy.ROSException as error:
         raise OSError(str(error)) from error
-    guard_services()
+    cure_services()
     configure_logging(node.settings.log_level)
     rospy.on_shutdown(lambda: node.fail("ROS has shut this node down"))
     try:

@@ -2,7 +2,6 @@
 
 import asyncio
 import logging
-import threading
 from collections.abc import Iterable, Sequence
 from itertools import islice
 from urllib.parse import urlsplit
@@ -11,7 +10,7 @@ from laser_bot_battle.master import Master, MasterError
 from laser_bot_battle.master_probe import is_master
 from laser_bot_battle.names import command_topic, response_topic
 from server.game.loop import GameLoop
-from server.game.snapshot import Snapshot
+from server.ros.robots_follower import RobotsFollower
 
 _log = logging.getLogger(__name__)
 
@@ -19,42 +18,24 @@ PERIOD = 1.0  # s; a registration is followed by a look at once
 MAX_NODES = 4  # that are asked for a robot: it has one
 
 
-class Links:
-    """Asks the master in a thread of its own, `run`: it may be slow. While it does not answer, all stays as it was."""
+class Presence(RobotsFollower):
+    """While the master does not answer, all stays as it was."""
 
     def __init__(self, game: GameLoop, master: Master) -> None:
+        super().__init__(PERIOD)
         self._game = game
         self._master = master
-        self._present: tuple[int, ...] = ()
         self._linked: set[int] = set()  # those whose node has answered this program
-        self._changed = threading.Event()
-        self._stopping = False
 
-    def follow(self, snapshot: Snapshot) -> None:
-        """A listener of the game; does not block."""
-        if snapshot.robots != self._present:
-            self._present = snapshot.robots
-            self._changed.set()
-
-    def run(self) -> None:
-        """Work until `stop`."""
-        while not self._stopping:
-            self._changed.wait(PERIOD)
-            self._changed.clear()
-            if self._present:
-                self._look()
-
-    def stop(self) -> None:
-        self._stopping = True
-        self._changed.set()
-
-    def _look(self) -> None:
+    def _settle(self, present: Sequence[int]) -> None:
+        if not present:
+            return
         try:
             publishers, subscribers, _ = self._master.call("getSystemState")
         except (OSError, MasterError, ValueError) as error:
             _log.debug("the ROS master does not say who is on which topics: %s", error)
             return
-        found = drivers(self._present, publishers, subscribers)
+        found = drivers(present, publishers, subscribers)
         # the master also lists nodes that have ended without a word
         new = {robot: nodes for robot, nodes in found.items() if robot not in self._linked}
         self._linked = (found.keys() - new.keys()) | asyncio.run(self._answering(new))

@@ -1,26 +1,24 @@
 """What the server tells robots: how to shoot, on the latched `/Robot<ID>/setup`, and to show themselves, on
 `/Robot<ID>/identify` (std_msgs/Empty). Needs an initialised node."""
 
-from collections.abc import Callable, Sequence
-from functools import partial
+from collections.abc import Sequence
 
 import rospy
 from std_msgs.msg import Empty
 
 from laser_bot_battle.light import COOLDOWN
-from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Setup
 from laser_bot_battle.names import identify_topic, setup_topic
 from server.game.light import damage_code
 from server.game.snapshot import Snapshot
-from server.ros.robot_topics import Endpoint, RobotTopics
+from server.ros.robot_topics import Publication, RobotTopics
 
 
-class Orders(RobotTopics):
+class RobotCommands(RobotTopics[Publication]):
     """Tells exactly the robots that are registered, and again when something changes for them."""
 
-    def __init__(self, master: Master) -> None:
-        super().__init__(master)
+    def __init__(self) -> None:
+        super().__init__()
         self._wanted: dict[int, Setup] = {}
         self._told: dict[int, Setup] = {}
 
@@ -40,11 +38,11 @@ class Orders(RobotTopics):
         topics[1].tell(Empty())
         return True
 
-    def _open(self, robot_id: int) -> Sequence[Callable[[], Endpoint]]:
+    def _open(self, robot_id: int) -> Sequence[Publication]:
         self._told.pop(robot_id, None)
         return [
-            partial(rospy.Publisher, setup_topic(robot_id), Setup, latch=True, queue_size=1),
-            partial(rospy.Publisher, identify_topic(robot_id), Empty, queue_size=1),
+            Publication(rospy.Publisher(setup_topic(robot_id), Setup, latch=True, queue_size=1)),
+            Publication(rospy.Publisher(identify_topic(robot_id), Empty, queue_size=1)),
         ]
 
     def _settle(self, present: Sequence[int]) -> None:

@@ -2,13 +2,11 @@
 
 import asyncio
 import logging
-import os
 import socket
 import sys
 
-# genpy imports NumPy, whose OpenBLAS would start threads: with them there is no real-time priority
-os.environ["OPENBLAS_NUM_THREADS"] = "1"
-from laser_bot_battle import priority
+from laser_bot_battle import priority  # isort: split
+
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import ROSAPI_NODE, ROSBRIDGE_NODE
 from laser_bot_battle.settings import read_or_exit

@@ -8,6 +8,10 @@ import resource
 import signal
 import threading
 
+# Where NumPy is installed genpy imports it, and its OpenBLAS would start threads: with them there is no real-time
+# priority. So import this module before genpy.
+os.environ["OPENBLAS_NUM_THREADS"] = "1"
+
 NICE = -10
 LONGEST_TURN = 0.5  # s of work without a pause, after which a program has its usual priority again
 

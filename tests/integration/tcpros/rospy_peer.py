@@ -14,7 +14,7 @@ import rospy
 from roscpp.srv import SetLoggerLevel  # type: ignore[import-untyped]
 from std_msgs.msg import Int8, String
 
-from laser_bot_battle.rospy_guard import guard_rospy, guard_services
+from laser_bot_battle.rospy_cures import cure_rospy, cure_services
 from laser_bot_battle.srv import AddNewRobot
 
 
@@ -84,10 +84,10 @@ class Peer:
 
 def main() -> None:
     if is_guarded := "--guarded" in sys.argv:
-        guard_rospy()
+        cure_rospy()
     rospy.init_node(sys.argv[1], disable_signals=True)
     if is_guarded:
-        guard_services()
+        cure_services()
     peer = Peer()
     peer.say("ready")
     for line in sys.stdin:

@@ -1,7 +1,7 @@
-"""The XML-RPC server of the ROS master and of each rospy node, with limits.
+"""A cure for rosgraph's fault in the ROS master and in each rospy node.
 
-rosgraph's own has a thread for each connection, which waits for ever for what the caller has promised, and keeps all of
-it.
+**Endless requests**: its XML-RPC server has a thread for each connection, which waits for ever for what the caller has
+promised, and keeps all of it. Shown by tests/integration/tcpros/test_cures.py.
 """
 
 import re
@@ -10,7 +10,7 @@ from typing import Any
 
 from rosgraph import xmlrpc
 
-from laser_bot_battle.tcp_places import Places
+from laser_bot_battle.connection_limits import ConnectionLimits
 
 PATIENCE = 5.0  # s for a request, or until the next one of a connection: who asks then connects anew
 MAX_REQUEST = 4 * 2**20  # bytes
@@ -18,7 +18,7 @@ MAX_CONNECTIONS = 300
 MAX_OF_ONE_MACHINE = 60
 
 
-def guard_xmlrpc() -> None:
+def cure_xmlrpc() -> None:
     """Call it once, before the ROS master or `init_node` starts its server."""
     xmlrpc.SilenceableXMLRPCRequestHandler = _Handler
     xmlrpc.ThreadingXMLRPCServer = _Server
@@ -30,7 +30,7 @@ class _Handler(xmlrpc.SilenceableXMLRPCRequestHandler):  # type: ignore[misc]
     server_version, sys_version = "ROS", ""  # no versions for strangers
 
     def handle_one_request(self) -> None:
-        self.server.places.renew(self.request)
+        self.server.limits.renew(self.request)
         super().handle_one_request()
 
     def do_POST(self) -> None:  # noqa: N802 - http.server's name
@@ -44,12 +44,12 @@ class _Handler(xmlrpc.SilenceableXMLRPCRequestHandler):  # type: ignore[misc]
 
 class _Server(xmlrpc.ThreadingXMLRPCServer):  # type: ignore[misc]
     def __init__(self, *arguments: Any, **options: Any) -> None:
-        self.places = Places(MAX_CONNECTIONS, PATIENCE, MAX_OF_ONE_MACHINE)
+        self.limits = ConnectionLimits(MAX_CONNECTIONS, PATIENCE, MAX_OF_ONE_MACHINE)
         super().__init__(*arguments, **options)
 
     def verify_request(self, request: socket.socket, client_address: tuple[Any, ...]) -> bool:
-        return self.places.take(request, client_address[0])
+        return self.limits.take(request, client_address[0])
 
     def service_actions(self) -> None:
         """Called by `serve_forever` after each connection, and twice a second."""
-        self.places.cut_overdue()
+        self.limits.cut_overdue()

@@ -14,7 +14,7 @@ import psutil
 import pytest
 import rosgraph.network
 
-from laser_bot_battle.rospy_guard import MAX_HEADER, MAX_MESSAGE
+from laser_bot_battle.rospy_cures import MAX_HEADER, MAX_MESSAGE
 from tests.integration.tcpros.ends import RospyPeer
 from tests.support.polling import until
 from tests.support.programs import ROOT
@@ -127,4 +127,4 @@ def test_whoever_uses_rospy_guards_it() -> None:
             for node in ast.walk(ast.parse(path.read_text()))
             if isinstance(node, ast.Call)
         ]
-        assert "init_node" not in calls or "guard_rospy" in calls, path
+        assert "init_node" not in calls or "cure_rospy" in calls, path

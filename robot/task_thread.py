@@ -8,7 +8,7 @@ from collections.abc import Callable
 _log = logging.getLogger(__name__)
 
 
-class Errands:
+class TaskThread:
     """A thread that does one after the other, for as long as this process lives."""
 
     def __init__(self, name: str, room: int) -> None:
@@ -16,18 +16,18 @@ class Errands:
         self._waiting: queue.Queue[Callable[[], None]] = queue.Queue(room)
         threading.Thread(target=self._run, name=name, daemon=True).start()
 
-    def do(self, errand: Callable[[], None]) -> bool:
+    def do(self, task: Callable[[], None]) -> bool:
         """Returns at once; False when too many wait already, and this one is not done."""
         try:
-            self._waiting.put_nowait(errand)
+            self._waiting.put_nowait(task)
         except queue.Full:
             return False
         return True
 
     def _run(self) -> None:
         while True:
-            errand = self._waiting.get()
+            task = self._waiting.get()
             try:
-                errand()
+                task()
             except Exception:  # the next one has a right to be done
                 _log.exception("failed unexpectedly")

@@ -7,7 +7,7 @@ import threading
 import time
 
 
-class Places:
+class ConnectionLimits:
     """`most` connections, `of_one` of them from each other machine; when there are too many, those go that have been
     here for `longest` s. For any thread."""
 

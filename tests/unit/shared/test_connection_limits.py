@@ -1,4 +1,4 @@
-"""Places for connections: so many in all, so many of another machine, and what is overdue goes."""
+"""ConnectionLimits for connections: so many in all, so many of another machine, and what is overdue goes."""
 
 import contextlib
 import socket
@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from laser_bot_battle.tcp_places import Places
+from laser_bot_battle.connection_limits import ConnectionLimits
 
 
 @pytest.fixture
@@ -23,30 +23,30 @@ def sockets() -> Iterator[list[tuple[socket.socket, socket.socket]]]:
 def test_one_machine_has_a_part_of_the_places_and_this_machine_all(
     sockets: list[tuple[socket.socket, socket.socket]],
 ) -> None:
-    places = Places(most=5, longest=60, of_one=2)
+    limits = ConnectionLimits(most=5, longest=60, of_one=2)
     peers = [peer for peer, _ in sockets]
-    assert [places.take(peer, "10.0.0.1") for peer in peers[:3]] == [True, True, False]
-    assert [places.take(peer, "127.0.0.1") for peer in peers[2:]] == [True, True, True, False]
+    assert [limits.take(peer, "10.0.0.1") for peer in peers[:3]] == [True, True, False]
+    assert [limits.take(peer, "127.0.0.1") for peer in peers[2:]] == [True, True, True, False]
     peers[0].close()
-    assert places.take(peers[5], "10.0.0.1"), "who has closed has left"
+    assert limits.take(peers[5], "10.0.0.1"), "who has closed has left"
 
 
 def test_who_is_overdue_goes_and_who_has_renewed_stays(
     sockets: list[tuple[socket.socket, socket.socket]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now = [100.0]
-    monkeypatch.setattr("laser_bot_battle.tcp_places.time.monotonic", lambda: now[0])
-    places = Places(most=2, longest=5, of_one=2)
+    monkeypatch.setattr("laser_bot_battle.connection_limits.time.monotonic", lambda: now[0])
+    limits = ConnectionLimits(most=2, longest=5, of_one=2)
     (stalled, its_end), (busy, busy_end), (late, _), *_ = sockets
-    assert places.take(stalled, "::1")
-    assert places.take(busy, "::1")
+    assert limits.take(stalled, "::1")
+    assert limits.take(busy, "::1")
     now[0] += 4
-    places.renew(busy)
+    limits.renew(busy)
     now[0] += 2
-    assert not places.take(late, "::1")
+    assert not limits.take(late, "::1")
     assert its_end.recv(1) == b""
     busy_end.setblocking(False)
     with pytest.raises(BlockingIOError):
         busy_end.recv(1)
     stalled.close()
-    assert places.take(late, "::1")
+    assert limits.take(late, "::1")
