@@ -20,7 +20,7 @@ from server.camera.picture import Picture
 from server.camera.viewer import Viewer
 from server.websocket.connection import Connection
 from server.websocket.frames import frame
-from server.websocket.limits import Limits, Place, place_of
+from server.websocket.limits import Limits, SocketOwner, owner_of
 from server.websocket.requests import Request, RequestError, brief, dumps, parse, status
 from tcpros.node import Node
 from tcpros.specs import TypeSpec
@@ -75,8 +75,8 @@ class Relay:
 
     # ---- viewers ----
 
-    def place(self, identity: Identity, address: str) -> Place:
-        return place_of(identity, self._sight.player(identity) is not None, address)
+    def owner(self, identity: Identity, address: str) -> SocketOwner:
+        return owner_of(identity, self._sight.player(identity) is not None, address)
 
     def connected(self, connection: Connection, identity: Identity) -> Viewer:
         viewer = Viewer(identity, connection.address)
@@ -154,7 +154,7 @@ class Relay:
         """The battle, the wish or the identity may have changed."""
         if viewer.claim:
             self._judge(viewer, viewer.claim)
-        self._connections[viewer].move(self.place(viewer.identity, viewer.address))
+        self._connections[viewer].move(self.owner(viewer.identity, viewer.address))
         wish = viewer.wish
         if wish is None:
             self._turn(viewer, None)

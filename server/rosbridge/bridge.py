@@ -43,7 +43,7 @@ from server.rosbridge.ros import Ros
 from server.rosbridge.shots import SHOT_TYPE
 from server.rosbridge.subscription import Subscription
 from server.websocket.connection import Connection
-from server.websocket.limits import Place, place_of
+from server.websocket.limits import SocketOwner, owner_of
 from server.websocket.requests import RequestError, one_line
 from tcpros.clock import Clock
 from tcpros.node import Node
@@ -104,11 +104,11 @@ class Bridge:
         self._connections[client] = connection
         return client
 
-    def place(self, identity: Identity, address: str) -> Place:
-        """Which of the server's places a client of this identity takes."""
+    def owner(self, identity: Identity, address: str) -> SocketOwner:
+        """As which owner a client of this identity has its socket."""
         if self._is_open:
             identity = OPERATOR
-        return place_of(identity, self._gate.player(identity) is not None, address)
+        return owner_of(identity, self._gate.player(identity) is not None, address)
 
     def received(self, client: Client, data: str | bytes) -> None:
         """A WebSocket message from a client."""
@@ -274,7 +274,7 @@ class Bridge:
         """The client may be somebody else now, for whom other limits hold."""
         connection = self._connections.get(client)
         if connection is not None:
-            connection.move(self.place(client.identity, client.address))
+            connection.move(self.owner(client.identity, client.address))
 
     def _check_rights(self) -> None:
         """Stop the robots of those who may no longer drive, and tell the clients that the battle may have changed."""

@@ -1,1 +1,1 @@
-"""The WebSocket side of rosbridge (RFC 6455): who is let in, frames, turns, and clients that are slow or rude."""
+"""A WebSocket server (RFC 6455): who is let in, frames, fair scheduling, and clients that are slow or rude."""

@@ -10,10 +10,10 @@ from websockets.frames import Close, CloseCode
 
 from server.access.identity import Identity
 from server.websocket.frames import FrameError, Frames, Ping, Pong, close_frame, frame, ping_frame, pong_frame
-from server.websocket.limits import Place
+from server.websocket.limits import SocketOwner
 from server.websocket.outbox import Outbox
 from server.websocket.requests import one_line
-from server.websocket.server_state import READ, House
+from server.websocket.server_state import READ, ServerState
 
 _log = logging.getLogger(__name__)
 
@@ -44,17 +44,34 @@ class Connection(asyncio.BufferedProtocol):
     """What cannot be sent at once waits in a bounded outbox."""
 
     __slots__ = (
-        "_blocked", "_client", "_closing", "_controls", "_cut", "_end", "_frames", "_heard", "_house",
-        "_max_replies", "_moved", "_outbox", "_ping_at", "_place", "_pong", "_transport", "_unsent", "address", "name",
+        "_blocked",
+        "_client",
+        "_closing",
+        "_controls",
+        "_cut",
+        "_end",
+        "_frames",
+        "_heard",
+        "_max_replies",
+        "_moved",
+        "_outbox",
+        "_owner",
+        "_ping_at",
+        "_pong",
+        "_state",
+        "_transport",
+        "_unsent",
+        "address",
+        "name",
     )  # fmt: skip
 
-    def __init__(self, house: House, transport: asyncio.Transport, address: str, place: Place) -> None:
-        """The handshake of `transport` is done. It is the visitor's at `address`, or his proxy's. `place` is free, and
-        taken until the socket has gone."""
+    def __init__(self, state: ServerState, transport: asyncio.Transport, address: str, owner: SocketOwner) -> None:
+        """The handshake of `transport` is done. `address` is the visitor's or the proxy's. `owner` may have one more
+        socket, which is this one until it has gone."""
         _, port, *_ = transport.get_extra_info("peername") or ("nobody", 0)
         self.address = address
         self.name = f"{address}:{port}"
-        self._house, self._transport = house, transport
+        self._state, self._transport = state, transport
         self._frames = Frames(MAX_MESSAGE_OF_OTHERS)
         self._outbox: Outbox | None = None  # few clients ever need one
         self._pong: bytes | None = None  # that waits as well; only the newest
@@ -65,28 +82,28 @@ class Connection(asyncio.BufferedProtocol):
         self._end = "the connection is lost"
         self._controls = 0
         self._heard = True  # since the last ping
-        now = house.loop.time()
+        now = state.loop.time()
         self._ping_at = now + PING_INTERVAL
         self._moved, self._unsent = now, 0  # when something was taken, and what was not
         transport.set_write_buffer_limits(high=WRITE_LIMIT)
-        house.places.take(place)
-        house.connections.add(self)
-        self._place = place
+        state.sockets.take(owner)
+        state.connections.add(self)
+        self._owner = owner
         self._trust()
 
     @property
-    def place(self) -> Place:
-        return self._place
+    def owner(self) -> SocketOwner:
+        return self._owner
 
-    def move(self, place: Place) -> None:
-        """The client has turned out to be somebody else: it takes that place, if it is free."""
-        if place != self._place and self in self._house.connections:
-            self._place = self._house.places.change(self._place, place)
+    def move(self, owner: SocketOwner) -> None:
+        """The client has turned out to be somebody else: the socket is that owner's, if it may have one more."""
+        if owner != self._owner and self in self._state.connections:
+            self._owner = self._state.sockets.change(self._owner, owner)
             self._trust()
 
     @property
     def _is_operator(self) -> bool:
-        return self._place.known and self._place.holder is None
+        return self._owner.known and self._owner.holder is None
 
     def _trust(self) -> None:
         self._frames.max_message = MAX_MESSAGE if self._is_operator else MAX_MESSAGE_OF_OTHERS
@@ -124,7 +141,7 @@ class Connection(asyncio.BufferedProtocol):
 
     def log(self, text: str, level: int = logging.INFO) -> None:
         """A line about this client for the operator, unless there have been too many of late."""
-        self._house.log(self.address, f"{self.name}: {text}", level)
+        self._state.log(self.address, f"{self.name}: {text}", level)
 
     def check(self, now: float) -> None:
         """To be called twice a second: is it alive, and does it read?"""
@@ -175,35 +192,35 @@ class Connection(asyncio.BufferedProtocol):
 
     def begin(self, identity: Identity, data: bytes) -> None:
         """`data` came with the handshake."""
-        self._client = self._house.bridge.connected(self, identity)
+        self._client = self._state.bridge.connected(self, identity)
         self.log("connected")
         if data:
             self._frames.feed(data)
             self._handle(whole=True)
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        return self._house.scratch
+        return self._state.scratch
 
     def buffer_updated(self, count: int) -> None:
         if self._closing:
             return
         self._heard = True
-        self._frames.feed(self._house.scratch[:count])
+        self._frames.feed(self._state.scratch[:count])
         # uvloop reads a socket again and again in one turn for as long as it fills the buffer
         self._handle(whole=count < READ)
 
     def _handle(self, whole: bool) -> None:
         """Handle what has come, or have it wait; `whole`: the socket had no more."""
-        turns = self._house.turns
-        urgent = self._place.known and self._frames.pending <= URGENT
-        if not turns.run(self, urgent) or not whole:
+        scheduler = self._state.scheduler
+        urgent = self._owner.known and self._frames.pending <= URGENT
+        if not scheduler.run(self, urgent) or not whole:
             self._transport.pause_reading()
-            turns.wait(self)
+            scheduler.wait(self)
 
     def work(self) -> bool:
         """Handle as much as one turn allows."""
         controls = messages = size = 0
-        take, received = self._frames.take, self._house.bridge.received
+        take, received = self._frames.take, self._state.bridge.received
         try:
             while not self._closing:
                 message = take()
@@ -224,7 +241,7 @@ class Connection(asyncio.BufferedProtocol):
             _log.exception("%s: a message could not be handled", self.name)
             self.close(CloseCode.INTERNAL_ERROR)
         finally:
-            self._house.turns.handled += messages
+            self._state.scheduler.handled += messages
         return True
 
     def resume(self) -> None:
@@ -258,8 +275,8 @@ class Connection(asyncio.BufferedProtocol):
         self._transport.write_eof()
         # a socket closed with unread data would be reset, and the close frame lost
         self._transport.resume_reading()
-        self._cut = self._house.loop.call_later(CLOSE_TIMEOUT, self._transport.abort)
-        self._house.loop.call_soon(self._leave)  # not within a call of the bridge
+        self._cut = self._state.loop.call_later(CLOSE_TIMEOUT, self._transport.abort)
+        self._state.loop.call_soon(self._leave)  # not within a call of the bridge
 
     def _give_up(self, reason: str) -> None:
         self._closing = self._blocked = True
@@ -279,12 +296,12 @@ class Connection(asyncio.BufferedProtocol):
         if self._cut is not None:
             self._cut.cancel()
         self._leave()
-        self._house.places.leave(self._place)
-        self._house.connections.discard(self)
-        self._house.left()
+        self._state.sockets.leave(self._owner)
+        self._state.connections.discard(self)
+        self._state.left()
 
     def _leave(self) -> None:
         if self._client is not None:
             client, self._client = self._client, None
             self.log(f"disconnected: {self._end}")
-            self._house.bridge.disconnected(client)
+            self._state.bridge.disconnected(client)

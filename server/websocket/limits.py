@@ -1,4 +1,4 @@
-"""How many sockets who may have. Pure."""
+"""How many sockets anybody may have. Pure."""
 
 from collections import Counter
 from collections.abc import Hashable
@@ -18,58 +18,58 @@ class Limits(NamedTuple):
     all_opening: int = 200
 
 
-class Place(NamedTuple):
-    """What one socket takes: `holder` is an address for a guest, a session for a player, None for an operator."""
+class SocketOwner(NamedTuple):
+    """Who has a socket: `holder` is an address for a guest, a session for a player, None for an operator."""
 
     known: bool
     holder: Hashable
 
 
-class Places:
-    """The sockets that are open, by who holds them."""
+class SocketLimits:
+    """The sockets that are open, by owner."""
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
-        self._taken: Counter[Place] = Counter()
+        self._taken: Counter[SocketOwner] = Counter()
         self._clients = self._guests = 0
 
-    def refusal(self, place: Place) -> str:
-        """Why this place cannot be had; empty when it can."""
-        if not place.known:
-            if self._taken[place] >= self.limits.guests:
-                return f"{place.holder} has {self.limits.guests} sockets already"
+    def refusal(self, owner: SocketOwner) -> str:
+        """Why this owner can have no further socket; empty when it can."""
+        if not owner.known:
+            if self._taken[owner] >= self.limits.guests:
+                return f"{owner.holder} has {self.limits.guests} sockets already"
             if self._guests >= self.limits.clients - self.limits.kept:
                 return f"{self._guests} guests are connected"
-        elif place.holder is not None and self._taken[place] >= self.limits.player:
+        elif owner.holder is not None and self._taken[owner] >= self.limits.player:
             return f"a player has {self.limits.player} sockets already"
         return f"{self._clients} clients are connected" if self._clients >= self.limits.clients else ""
 
-    def take(self, place: Place) -> None:
-        self._count(place, 1)
+    def take(self, owner: SocketOwner) -> None:
+        self._count(owner, 1)
 
-    def leave(self, place: Place) -> None:
-        self._count(place, -1)
+    def leave(self, owner: SocketOwner) -> None:
+        self._count(owner, -1)
 
-    def change(self, old: Place, new: Place) -> Place:
-        """Somebody has become somebody else: the place that he has from now on, the old one if he cannot have the new.
+    def change(self, old: SocketOwner, new: SocketOwner) -> SocketOwner:
+        """An owner has turned out to be another one: the owner from now on, the old one if the new can have no more.
 
         Nobody is refused for ceasing to be a player.
         """
         self.leave(old)
-        place = old if new.known and self.refusal(new) else new
-        self.take(place)
-        return place
+        owner = old if new.known and self.refusal(new) else new
+        self.take(owner)
+        return owner
 
-    def _count(self, place: Place, step: int) -> None:
+    def _count(self, owner: SocketOwner, step: int) -> None:
         self._clients += step
-        self._guests += 0 if place.known else step
-        self._taken[place] += step
-        if not self._taken[place]:
-            del self._taken[place]
+        self._guests += 0 if owner.known else step
+        self._taken[owner] += step
+        if not self._taken[owner]:
+            del self._taken[owner]
 
 
-def place_of(identity: Identity, is_player: bool, address: str) -> Place:
-    """The place of who this is; `is_player`: he is signed in now."""
+def owner_of(identity: Identity, is_player: bool, address: str) -> SocketOwner:
+    """The owner that this identity is; `is_player`: it is signed in now."""
     if identity.operator:
-        return Place(True, None)
-    return Place(True, identity.session) if is_player else Place(False, address)
+        return SocketOwner(True, None)
+    return SocketOwner(True, identity.session) if is_player else SocketOwner(False, address)

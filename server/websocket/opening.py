@@ -14,7 +14,7 @@ from websockets.server import ServerProtocol
 from server.access.identity import Identity
 from server.access.proxies import FORWARDED, is_proxy, visitor
 from server.websocket.connection import Connection
-from server.websocket.server_state import House
+from server.websocket.server_state import ServerState
 
 MAX_HEAD = 16 * 2**10  # bytes; a page's cookies for this host are in it
 END_OF_HEAD = b"\r\n\r\n"
@@ -32,8 +32,8 @@ _silent = logging.Logger("websockets", logging.CRITICAL + 1)
 class Opening(asyncio.BufferedProtocol):
     """One TCP connection until its handshake is finished."""
 
-    def __init__(self, house: House, identify: Identify) -> None:
-        self._house, self._identify = house, identify
+    def __init__(self, state: ServerState, identify: Identify) -> None:
+        self._state, self._identify = state, identify
         self._head = bytearray()
         self._transport: asyncio.Transport
         self._answered = False
@@ -42,28 +42,28 @@ class Opening(asyncio.BufferedProtocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._transport = cast(asyncio.Transport, transport)  # uvloop's are no subclass
         self.address, *_ = transport.get_extra_info("peername") or ("nobody",)
-        openings, limits = self._house.openings, self._house.places.limits
+        openings, limits = self._state.openings, self._state.sockets.limits
         # a proxy's address says nothing yet of who comes
-        is_many = is_proxy(self.address, self._house.proxies)
+        is_many = is_proxy(self.address, self._state.proxies)
         of_address = 0 if is_many else sum(other.address == self.address for other in openings)
         if len(openings) >= limits.all_opening:
             next(iter(openings)).cut()  # the slowest: most likely it never ends
-        openings[self] = self._house.loop.time()
-        if self._house.ending or of_address >= limits.opening:
+        openings[self] = self._state.loop.time()
+        if self._state.ending or of_address >= limits.opening:
             self.cut()
 
     def get_buffer(self, sizehint: int) -> memoryview:
-        return self._house.scratch
+        return self._state.scratch
 
     def buffer_updated(self, count: int) -> None:
         searched = max(0, len(self._head) - len(END_OF_HEAD))
-        self._head += self._house.scratch[:count]
+        self._head += self._state.scratch[:count]
         if END_OF_HEAD in self._head[searched:] or len(self._head) > MAX_HEAD:
             self._transport.pause_reading()
-            if self._house.turns.run(self, urgent=False):
+            if self._state.scheduler.run(self, urgent=False):
                 self.resume()
             else:
-                self._house.turns.wait(self)
+                self._state.scheduler.wait(self)
 
     def work(self) -> bool:
         """Answer the request."""
@@ -85,8 +85,8 @@ class Opening(asyncio.BufferedProtocol):
         self._transport.abort()
 
     def connection_lost(self, error: Exception | None) -> None:
-        self._house.openings.pop(self, None)
-        self._house.left()
+        self._state.openings.pop(self, None)
+        self._state.left()
 
     def _answer(self, head: bytes, rest: bytes) -> None:
         protocol = ServerProtocol(logger=_silent)
@@ -96,7 +96,7 @@ class Opening(asyncio.BufferedProtocol):
             self._refuse(plain(HTTPStatus.BAD_REQUEST, NO_HANDSHAKE))
             return
         if [upgrade.lower() for upgrade in request.headers.get_all("Upgrade")] != ["websocket"]:
-            # who asks whether this is alive gets the same answer when there is no place for a client
+            # whoever asks whether this is alive gets the same answer when there is no room for a client
             response = plain(HTTPStatus.UPGRADE_REQUIRED, "this is a WebSocket server\n")
             response.headers["Upgrade"] = "websocket"
             del response.headers["Connection"]
@@ -112,16 +112,16 @@ class Opening(asyncio.BufferedProtocol):
         self._enter(request.headers, response, rest)
 
     def _enter(self, headers: Headers, response: Response, rest: bytes) -> None:
-        self.address = visitor(self.address, only(headers, FORWARDED), self._house.proxies)
+        self.address = visitor(self.address, only(headers, FORWARDED), self._state.proxies)
         identity = self._identify(only(headers, "Origin"), only(headers, "Host"), headers.get_all("Cookie"))
-        place = self._house.bridge.place(identity, self.address)
-        if reason := self._house.places.refusal(place):
-            self._house.log(self.address, f"a client of {self.address} was refused: {reason}")
+        owner = self._state.bridge.owner(identity, self.address)
+        if reason := self._state.sockets.refusal(owner):
+            self._state.log(self.address, f"a client of {self.address} was refused: {reason}")
             self._refuse(plain(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n"))
             return
-        del self._house.openings[self]
+        del self._state.openings[self]
         self._transport.write(response.serialize())
-        connection = Connection(self._house, self._transport, self.address, place)
+        connection = Connection(self._state, self._transport, self.address, owner)
         self._transport.set_protocol(connection)
         connection.begin(identity, rest)
 

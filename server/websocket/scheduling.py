@@ -21,7 +21,7 @@ class Worker(Protocol):
         """Nothing is left: more data may come."""
 
 
-class Turns:
+class Scheduler:
     """Of one event loop, for its thread only."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:

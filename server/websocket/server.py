@@ -12,10 +12,10 @@ from websockets.frames import CloseCode
 
 from server.access.proxies import Network
 from server.websocket.connection import CLOSE_TIMEOUT
-from server.websocket.limits import Limits, Places
+from server.websocket.limits import Limits, SocketLimits
 from server.websocket.opening import Identify, Opening
-from server.websocket.scheduling import Turns
-from server.websocket.server_state import Bridge, House
+from server.websocket.scheduling import Scheduler
+from server.websocket.server_state import Bridge, ServerState
 
 OPEN_TIMEOUT = 5.0  # s for the handshake
 TICK = 0.5  # s between two looks at all clients
@@ -44,7 +44,7 @@ class WebSocketServer:
         self._bridge, self._listener, self._identify = bridge, listener, identify
         self._proxies = proxies
         self._limits = limits or Limits()
-        self._house: House
+        self._state: ServerState
         self._server: asyncio.Server
         self._timer: asyncio.TimerHandle
         self._next_tick = 0.0
@@ -52,7 +52,7 @@ class WebSocketServer:
     async def __aenter__(self) -> Self:
         """OSError when the port cannot be had."""
         loop = asyncio.get_running_loop()
-        self._house = House(loop, self._bridge, Places(self._limits), Turns(loop), self._proxies)
+        self._state = ServerState(loop, self._bridge, SocketLimits(self._limits), Scheduler(loop), self._proxies)
         allow_files(self._limits.clients + self._limits.all_opening + SPARE_FILES)
         self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)  # its connections inherit it
         self._server = await loop.create_server(self._open, sock=self._listener, backlog=BACKLOG)
@@ -64,35 +64,35 @@ class WebSocketServer:
         """Close all sockets with 1001."""
         self._timer.cancel()
         self._server.close()
-        self._house.ending = True
-        for opening in list(self._house.openings):
+        self._state.ending = True
+        for opening in list(self._state.openings):
             opening.cut()
-        for connection in list(self._house.connections):
+        for connection in list(self._state.connections):
             connection.close(CloseCode.GOING_AWAY)
         await asyncio.sleep(ACCEPTED)
-        self._house.left()
+        self._state.left()
         with contextlib.suppress(TimeoutError):
-            await asyncio.wait_for(self._house.empty.wait(), 2 * CLOSE_TIMEOUT)
+            await asyncio.wait_for(self._state.empty.wait(), 2 * CLOSE_TIMEOUT)
         await self._server.wait_closed()
 
     def touch(self) -> None:
         """A message has come that is not from a WebSocket: it counts for the loop's pace."""
-        self._house.turns.touch()
-        self._house.turns.handled += 1
+        self._state.scheduler.touch()
+        self._state.scheduler.handled += 1
 
     def _open(self) -> Opening:
-        return Opening(self._house, self._identify)
+        return Opening(self._state, self._identify)
 
     def _tick(self) -> None:
-        now = self._house.loop.time()
+        now = self._state.loop.time()
         late = now - self._next_tick
         self._next_tick = now + TICK
-        self._timer = self._house.loop.call_at(self._next_tick, self._tick)
-        for connection in list(self._house.connections):
+        self._timer = self._state.loop.call_at(self._next_tick, self._tick)
+        for connection in list(self._state.connections):
             if late > LATE:
                 connection.extend_deadlines(late)
             connection.check(now)
-        for opening, began in list(self._house.openings.items()):
+        for opening, began in list(self._state.openings.items()):
             if now - began > OPEN_TIMEOUT:
                 opening.cut()
 

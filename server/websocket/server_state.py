@@ -9,8 +9,8 @@ from typing import Any, Protocol
 
 from server.access.identity import Identity
 from server.access.proxies import Network
-from server.websocket.limits import Place, Places
-from server.websocket.scheduling import Turns
+from server.websocket.limits import SocketLimits, SocketOwner
+from server.websocket.scheduling import Scheduler
 
 _log = logging.getLogger(__name__)
 
@@ -46,8 +46,8 @@ class Connection(Protocol):
 class Bridge(Protocol):
     """What the server needs of whom it serves. A client is whatever the bridge makes of a connection."""
 
-    def place(self, identity: Identity, address: str) -> Place:
-        """The place of a socket of this identity, as far as is known now."""
+    def owner(self, identity: Identity, address: str) -> SocketOwner:
+        """Who owns a socket of this identity, as far as is known now."""
 
     def connected(self, connection: Any, identity: Identity) -> Any:
         """Returns the client."""
@@ -60,13 +60,13 @@ class Bridge(Protocol):
 
 
 @dataclass(eq=False)
-class House:
+class ServerState:
     """For the event loop's thread only."""
 
     loop: asyncio.AbstractEventLoop
     bridge: Bridge
-    places: Places
-    turns: Turns
+    sockets: SocketLimits
+    scheduler: Scheduler
     proxies: Sequence[Network] = ()  # that say for whom they come
     openings: dict[Opening, float] = field(default_factory=dict)  # with the time at which they began
     connections: set[Connection] = field(default_factory=set)

@@ -12,7 +12,7 @@ from websockets.sync.client import ClientConnection, connect
 from server.access.identity import GUEST, OPERATOR, Identity
 from server.websocket.connection import Connection
 from server.websocket.frames import frame
-from server.websocket.limits import Limits, Place, place_of
+from server.websocket.limits import Limits, SocketOwner, owner_of
 from server.websocket.server import WebSocketServer
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
@@ -27,8 +27,8 @@ class EchoBridge:
         self.received_bytes = 0
         self.order: list[str] = []  # the names, a message each
 
-    def place(self, identity: Identity, address: str) -> Place:
-        return place_of(identity, bool(identity.session), address)
+    def owner(self, identity: Identity, address: str) -> SocketOwner:
+        return owner_of(identity, bool(identity.session), address)
 
     def connected(self, connection: Connection, identity: Identity) -> Connection:
         self.came.append(connection.name)
@@ -41,7 +41,7 @@ class EchoBridge:
             case ["fail"]:
                 raise ZeroDivisionError
             case ["promote"]:
-                client.move(place_of(OPERATOR, False, client.address))
+                client.move(owner_of(OPERATOR, False, client.address))
             case ["close", code]:
                 client.close(int(code), "as you like")
             case ["repeat", count, size, queue]:

@@ -1,4 +1,4 @@
-"""Turns of the event loop: how soon they follow each other, and who works in them."""
+"""Scheduler of the event loop: how soon they follow each other, and who works in them."""
 
 import asyncio
 import time
@@ -7,7 +7,7 @@ from unittest.mock import Mock
 import pytest
 
 from server.websocket.pace import BUSY_RATE, TURN, WINDOW, Pace
-from server.websocket.scheduling import BUDGET, Turns
+from server.websocket.scheduling import BUDGET, Scheduler
 
 
 def rests(pace: Pace, rate: float, seconds: float = 1.0, work: float = 0.0001) -> list[float]:
@@ -66,19 +66,19 @@ def test_those_who_wait_take_turns_and_the_urgent_do_not_wait() -> None:
     log: list[str] = []
 
     async def share() -> None:
-        turns = Turns(asyncio.get_running_loop())
+        scheduler = Scheduler(asyncio.get_running_loop())
         one, two = Busy("one", 3, BUDGET, log), Busy("two", 2, BUDGET, log)
-        assert not turns.run(one, urgent=False)
-        turns.wait(one)
-        assert not turns.run(two, urgent=False), "the turn's time is used up"
-        turns.wait(two)
-        assert turns.run(Busy("urgent", 1, 0, log), urgent=True)
+        assert not scheduler.run(one, urgent=False)
+        scheduler.wait(one)
+        assert not scheduler.run(two, urgent=False), "the turn's time is used up"
+        scheduler.wait(two)
+        assert scheduler.run(Busy("urgent", 1, 0, log), urgent=True)
         async with asyncio.timeout(5):
             await one.resumed.wait()
             await two.resumed.wait()
         late = Busy("late", 1, 0, log)
         async with asyncio.timeout(5):
-            while not turns.run(late, urgent=False):
+            while not scheduler.run(late, urgent=False):
                 await asyncio.sleep(0)
 
     asyncio.run(share())
@@ -88,12 +88,12 @@ def test_those_who_wait_take_turns_and_the_urgent_do_not_wait() -> None:
 def ends(messages: int) -> list[bool]:
     """Which turns end, over three windows, when each of an urgent worker's handles so many messages."""
     loop, urgent, found = Mock(), Busy("urgent", 1, 0, []), []
-    turns = Turns(loop)
+    scheduler = Scheduler(loop)
     until = time.monotonic() + 3 * WINDOW
     while time.monotonic() < until:
         loop.reset_mock()
-        turns.run(urgent, urgent=True)
-        turns.handled += messages
+        scheduler.run(urgent, urgent=True)
+        scheduler.handled += messages
         for call in loop.call_soon.call_args_list:
             call.args[0]()
         found.append(loop.call_soon.called)
