@@ -25,7 +25,7 @@ with missing_explained():
     from laser_bot_battle.announcement import NoArenaError
     from laser_bot_battle.place import Place
     from laser_bot_battle.settings import describe
-    from robot.master_location import Lookout, MovedError, ReaddressedError, Whereabouts
+    from robot.master_location import Lookout, MasterLocation, MovedError, ReaddressedError
     from robot.ping_thread import PingThread
     from robot.registration import RegistrationError, register
     from robot.serial.find_arduino import ArduinoLostError, find_arduino
@@ -75,23 +75,23 @@ def main() -> int:
     # as SIGINT: while an event loop runs, asyncio makes a cancellation of that, and raises nothing in the middle of it
     signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
     try:
-        with contextlib.closing(Whereabouts(settings)) as whereabouts, status_led(settings.led) as led:
+        with contextlib.closing(MasterLocation(settings)) as location, status_led(settings.led) as led:
             while True:
                 _log.info("Starting service client ...")
                 try:
-                    run_robot(settings, whereabouts, led)
+                    run_robot(settings, location, led)
                 except (ArduinoLostError, NoArenaError, PortError, RegistrationError) as error:
                     led.state = State.FAILING
                     _log.error("%s (again in %g s)", error, settings.retry)
-                whereabouts.rest(settings.retry)
+                location.rest(settings.retry)
     except KeyboardInterrupt:
         _log.info("ending")
     return 0
 
 
-def run_robot(settings: Settings, whereabouts: Whereabouts, led: Indication) -> None:
+def run_robot(settings: Settings, location: MasterLocation, led: Indication) -> None:
     """One life of the robot, from finding the master to losing the Arduino; always ends with an exception: why."""
-    place = whereabouts.locate()
+    place = location.locate()
     device = find_arduino(settings.devices)
     _log.info("asking the Arduino at %s", device)
     probe(device)
@@ -106,7 +106,7 @@ def run_robot(settings: Settings, whereabouts: Whereabouts, led: Indication) -> 
                     if robot_id != last:
                         continue  # under its new name
                 _log.info("New robot ID = %d", robot_id)
-                whereabouts.join(place)
+                location.join(place)
                 with PingThread(f"http://{place.host}:{place.web}/incAlive", robot_id, key) as pings:
                     supervise(node, pings, lookout, led, time.monotonic() + settings.retry)
                 _log.warning("the server does not know robot %d: registering again", robot_id)

@@ -30,7 +30,7 @@ class ReaddressedError(Exception):
     """This robot has another address now; the text says so."""
 
 
-class Whereabouts:
+class MasterLocation:
     """The master's place over all lives of the robot. A robot that has joined an arena keeps to its name."""
 
     def __init__(self, settings: Settings) -> None:

@@ -20,8 +20,8 @@ from server.game.referee import Referee
 from server.game.robot import Robots
 from server.game.robot_health import RobotsHealth
 from server.game.state import State
-from server.program.node import Node, read_arguments
-from server.ros.health import HealthListener
+from server.program.program import Program, read_arguments
+from server.ros.health_reports import HealthListener
 from server.ros.hits import Hits
 from server.ros.id_service_server import IdServiceServer
 from server.ros.node import rospy_node
@@ -34,7 +34,7 @@ from server.store.log import EventLog
 from server.store.roster import Roster, take_over_file
 from server.web.app import create_app
 from server.web.fair_server import FairServer
-from server.web.metrics import figures
+from server.web.metrics import metrics
 from server.web.operator import create_operator
 from server.web.operator_access import Access
 from server.web.operator_api import create_operator_api
@@ -53,19 +53,19 @@ def main() -> int:
     description = "The game server: referee, web server and the ROS node robots_server."
     environment = read_arguments("server.main", description, *VARIABLES)
     settings = read_or_exit("server.main", Settings.from_env, environment)
-    configure_logging(settings.node.log_level)
-    node = Node(SERVER_NODE, settings.node)
-    return node.run(lambda listener: _serve(node, settings, listener))
+    configure_logging(settings.program.log_level)
+    program = Program(SERVER_NODE, settings.program)
+    return program.run(lambda listener: _serve(program, settings, listener))
 
 
 @contextmanager
-def _serve(node: Node, settings: Settings, listener: socket.socket) -> Iterator[None]:
-    with rospy_node(node), _game(node, settings, listener):
+def _serve(program: Program, settings: Settings, listener: socket.socket) -> Iterator[None]:
+    with rospy_node(program), _game(program, settings, listener):
         yield
 
 
 @contextmanager
-def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[None]:
+def _game(program: Program, settings: Settings, listener: socket.socket) -> Iterator[None]:
     roster = Roster(settings.roster)
     database = Database(settings.database, settings.arena)
     game = GameLoop(Referee(settings.rules, _state(database, roster, settings)))
@@ -75,7 +75,7 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
     game.add_recorder(database.record)
     game.add_recorder(log.record)
     health = RobotsHealth()
-    master = Master(settings.node.master_uri, SERVER_NODE)
+    master = Master(settings.program.master_uri, SERVER_NODE)
     hits, commands, reports = Hits(game, master), RobotCommands(), HealthListener(health, master)
     positions = PositionsListener(database.keep_piece)
     presence = Presence(game, master)
@@ -93,15 +93,15 @@ def _game(node: Node, settings: Settings, listener: socket.socket) -> Iterator[N
     web = FairServer(app, listener, channels)
     game.add_listener(Pulse(web).follow)
     game.start()
-    node.start_thread("hits", hits.run)
-    node.start_thread("commands", commands.run)
-    node.start_thread("health", reports.run)
-    node.start_thread("presence", presence.run)
-    serving = node.start_thread("web server", web.run)
-    _log.info("serving the game at http://%s:%d", settings.node.bind, settings.node.port)
-    owner = Owner(lambda: figures(game, health, hits.told(), lambda: database.problem), lambda: _missing(game))
+    program.start_thread("hits", hits.run)
+    program.start_thread("commands", commands.run)
+    program.start_thread("health", reports.run)
+    program.start_thread("presence", presence.run)
+    serving = program.start_thread("web server", web.run)
+    _log.info("serving the game at http://%s:%d", settings.program.bind, settings.program.port)
+    owner = Owner(lambda: metrics(game, health, hits.told(), lambda: database.problem), lambda: _missing(game))
     try:
-        with watched("web", settings.node.metrics, owner):
+        with watched("web", settings.program.metrics, owner):
             yield
     finally:
         game.stop()

@@ -24,7 +24,7 @@ from laser_bot_battle.master import Master, MasterError
 from laser_bot_battle.names import RELAY_NODE
 from laser_bot_battle.place import locate
 from laser_bot_battle.settings import describe, read_or_exit
-from robot.camera.access import Door
+from robot.camera.master_only import MasterOnly
 from robot.camera.settings import LIBCAMERA, VARIABLES, CameraSettings, find_libcamera
 
 _log = logging.getLogger(__name__)
@@ -77,7 +77,7 @@ async def run(settings: CameraSettings, environ: dict[str, str]) -> int:
     end = until_signalled()
     with tempfile.TemporaryDirectory(prefix="laserbot-camera-") as folder:
         at = Path(folder) / "ustreamer"
-        door = Door(at, MasterAddresses(environ).has)
+        door = MasterOnly(at, MasterAddresses(environ).has)
         try:
             await door.open(settings.port)
         except OSError as error:

@@ -19,7 +19,7 @@ from laser_bot_battle.settings import read_or_exit
 from server.announcer.arena import announce_arena
 from server.announcer.host_names import hold, host_names
 from server.announcer.settings import VARIABLES, Settings
-from server.program.node import read_arguments
+from server.program.program import read_arguments
 
 LOOK = 0.5  # s between two looks at this machine's addresses
 MAX_RECORDS = 2000  # of others, which are kept for as long as they say

@@ -4,7 +4,7 @@ from laser_bot_battle.msg import GameStatus
 from server.access.identity import Identity, People
 
 
-class Sight(People):
+class CameraAccess(People):
     """The people, and what they may look at. A referee that falls silent changes nothing: the battle goes on."""
 
     def __init__(self, operator_token: str) -> None:

@@ -52,7 +52,7 @@ class Camera:
         """To be called now and then: the rate is measured."""
         self._rate.mark(now)
 
-    def figures(self, now: float) -> dict[str, object]:
+    def metrics(self, now: float) -> dict[str, object]:
         """For operators."""
         picture = self.picture
         return {

@@ -16,7 +16,7 @@ class Traffic:
         self.received = self.sent = self.sent_bytes = 0
 
 
-def figures(viewers: int, cameras: Collection[Camera], traffic: Traffic, now: float) -> Iterable[Metric]:
+def metrics(viewers: int, cameras: Collection[Camera], traffic: Traffic, now: float) -> Iterable[Metric]:
     """`now` is Unix time in s."""
     states = Counter(camera.state for camera in cameras)
     ages = {str(each.robot): now - each.picture.taken for each in cameras if each.picture is not None}

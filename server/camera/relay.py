@@ -12,10 +12,10 @@ from prometheus_client.core import Metric
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, ROBOT_IDS, camera_parameter
 from server.access.identity import MAX_SECRET, Claim, Identity
-from server.camera.access import Sight
+from server.camera.access import CameraAccess
 from server.camera.budget import Budget, Meter
 from server.camera.camera import WAITING, Camera
-from server.camera.metrics import Traffic, figures
+from server.camera.metrics import Traffic, metrics
 from server.camera.picture import Picture
 from server.camera.viewer import Viewer
 from server.websocket.connection import Connection
@@ -43,10 +43,10 @@ def limits_of(viewers: int) -> Limits:
 class Relay:
     """Serves the WebSocket server."""
 
-    def __init__(self, node: Node, sight: Sight, most_viewers: int, most_mbit: int) -> None:
+    def __init__(self, node: Node, access: CameraAccess, most_viewers: int, most_mbit: int) -> None:
         """`most_mbit` in Mbit/s. Needs a running event loop."""
         self._loop = asyncio.get_running_loop()
-        self._node, self._sight, self._most_viewers, self._most_mbit = node, sight, most_viewers, most_mbit
+        self._node, self._access, self._most_viewers, self._most_mbit = node, access, most_viewers, most_mbit
         self._connections: dict[Viewer, Connection] = {}
         self._cameras: dict[int, Camera] = {}
         self._budget = Budget(most_mbit * MEGABIT)
@@ -65,18 +65,18 @@ class Relay:
         node.subscribe(GAME_STATUS, kind, self._hear_referee)
         self._loop.call_later(TICK, self._tick)
 
-    def figures(self) -> Iterable[Metric]:
+    def metrics(self) -> Iterable[Metric]:
         """For those who watch the relay."""
-        return figures(len(self._connections), self._cameras.values(), self._traffic, time.time())
+        return metrics(len(self._connections), self._cameras.values(), self._traffic, time.time())
 
     def missing(self) -> str:
         """Why spectators and players see nothing, "" if they can."""
-        return "" if self._sight.is_known else "nothing heard from the referee"
+        return "" if self._access.is_known else "nothing heard from the referee"
 
     # ---- viewers ----
 
     def owner(self, identity: Identity, address: str) -> SocketOwner:
-        return owner_of(identity, self._sight.player(identity) is not None, address)
+        return owner_of(identity, self._access.player(identity) is not None, address)
 
     def connected(self, connection: Connection, identity: Identity) -> Viewer:
         viewer = Viewer(identity, connection.address)
@@ -126,7 +126,7 @@ class Relay:
             "most_viewers": self._most_viewers,
             "mbit": round(self._sent.rate(now) / MEGABIT, 2),
             "most_mbit": self._most_mbit,
-            "cameras": [camera.figures(now) for _, camera in sorted(self._cameras.items())],
+            "cameras": [camera.metrics(now) for _, camera in sorted(self._cameras.items())],
         }
         self._connections[viewer].reply(dumps(figures))
 
@@ -134,7 +134,7 @@ class Relay:
 
     def _hear_referee(self, data: bytes, _: Mapping[str, str]) -> None:
         try:
-            self._sight.hear(GameStatus().deserialize(data))
+            self._access.hear(GameStatus().deserialize(data))
         except genpy.DeserializationError as error:
             _log.warning("what the referee says cannot be read: %s", error)
             return
@@ -158,10 +158,10 @@ class Relay:
         wish = viewer.wish
         if wish is None:
             self._turn(viewer, None)
-        elif not self._sight.is_known and not viewer.identity.operator:
+        elif not self._access.is_known and not viewer.identity.operator:
             self._turn(viewer, None)
             self._tell(viewer, WAITING, "nothing has been heard from the referee yet")
-        elif reason := self._sight.refuses(viewer.identity, wish):
+        elif reason := self._access.refuses(viewer.identity, wish):
             self._turn(viewer, None)
             self._tell(viewer, REFUSED, reason)
         else:
@@ -171,7 +171,7 @@ class Relay:
 
     def _judge(self, viewer: Viewer, claim: Claim) -> None:
         connection = self._connections[viewer]
-        verdict = claim.judge(self._sight, viewer.address, self._loop.time())
+        verdict = claim.judge(self._access, viewer.address, self._loop.time())
         if verdict.warning:
             connection.log(verdict.warning, logging.WARNING)
         if verdict.identity is not None:
@@ -235,7 +235,7 @@ class Relay:
         """Whether it is the player's own robot, and the one page that the player looks at it on: of several, each has
         its turn as a spectator's has."""
         robot = viewer.robot
-        if robot is None or not self._sight.is_own(viewer.identity, robot):
+        if robot is None or not self._access.is_own(viewer.identity, robot):
             return False
         return sum(other.identity == viewer.identity for other in self._cameras[robot].viewers) == 1
 

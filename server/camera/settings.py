@@ -7,7 +7,7 @@ from typing import Self
 from laser_bot_battle import variables
 from server.access.operator_token import read_operator_token
 from server.access.proxies import Network, believed
-from server.program.node import NodeSettings
+from server.program.program import ProgramSettings
 
 VARIABLES = (
     variables.BIND,
@@ -31,7 +31,7 @@ VARIABLES = (
 class Settings:
     """What an operator can choose about the cameras' relay."""
 
-    node: NodeSettings
+    program: ProgramSettings
     viewers: int  # at most, at once
     rate: int  # Mbit/s of all pictures
     operator_token: str  # empty: nobody is an operator
@@ -43,7 +43,7 @@ class Settings:
     def from_env(cls, environ: Mapping[str, str]) -> Self:
         """Read `environ`. SettingsError for an impossible value."""
         return cls(
-            node=NodeSettings.from_env(environ, variables.RELAY),
+            program=ProgramSettings.from_env(environ, variables.RELAY),
             viewers=variables.RELAY_VIEWERS.read(environ),
             rate=variables.RELAY_RATE.read(environ),
             operator_token=read_operator_token(environ),

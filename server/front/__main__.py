@@ -15,7 +15,7 @@ from laser_bot_battle.log import configure_logging
 from laser_bot_battle.settings import read_or_exit
 from server.front.configuration import configuration
 from server.front.settings import VARIABLES, FrontSettings
-from server.program.node import read_arguments
+from server.program.program import read_arguments
 
 PROGRAM = "python3 -m server.front"
 NGINX = "/usr/sbin/nginx"

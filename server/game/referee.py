@@ -13,7 +13,7 @@ from functools import partial
 from operator import itemgetter
 from typing import Any
 
-from laser_bot_battle.light import DAMAGES
+from laser_bot_battle.light_protocol import DAMAGES
 from laser_bot_battle.names import Game
 from server.game import desk, events, seats, views
 from server.game.events import Event, Recorded

@@ -6,8 +6,8 @@ each robot life only once.
 
 from collections.abc import Iterable
 
-from laser_bot_battle.light import COOLDOWN
-from server.game.light import PULSE, Emitter, Shot
+from laser_bot_battle.light_protocol import COOLDOWN
+from server.game.emitter import PULSE, Emitter, Shot
 from server.game.users import User
 
 

@@ -9,8 +9,8 @@ from contextlib import asynccontextmanager, contextmanager
 import uvloop
 
 from laser_bot_battle import alive
-from server.program.node import Node
-from tcpros.node import Node as RosNode
+from server.program.program import Program
+from tcpros.node import Node
 
 _log = logging.getLogger(__name__)
 
@@ -23,14 +23,14 @@ def warn_of_arguments(node: str) -> None:
 
 
 @contextmanager
-def work_in_loop(node: Node, name: str, work: Callable[[], Coroutine[None, None, None]]) -> Iterator[None]:
+def work_in_loop(program: Program, name: str, work: Callable[[], Coroutine[None, None, None]]) -> Iterator[None]:
     """`work` runs in a thread called `name` until it returns; the program ends with it."""
 
     def run() -> None:
         with asyncio.Runner(loop_factory=uvloop.new_event_loop) as runner:
             runner.run(work())
 
-    thread = node.start_thread(name, run)
+    thread = program.start_thread(name, run)
     try:
         yield
     finally:
@@ -38,10 +38,10 @@ def work_in_loop(node: Node, name: str, work: Callable[[], Coroutine[None, None,
 
 
 @asynccontextmanager
-async def ros_node(node: Node, name: str) -> AsyncIterator[RosNode]:
+async def ros_node(program: Program, name: str) -> AsyncIterator[Node]:
     """The ROS node `name` of this program, while in the `with`."""
-    started = RosNode(name, node.settings.master_uri)
-    started.on_shutdown = lambda reason: node.fail(f"ROS has shut {name} down ({reason})")
+    started = Node(name, program.settings.master_uri)
+    started.on_shutdown = lambda reason: program.fail(f"ROS has shut {name} down ({reason})")
     await started.start()
     try:
         yield started
@@ -49,8 +49,8 @@ async def ros_node(node: Node, name: str) -> AsyncIterator[RosNode]:
         await started.close()
 
 
-async def live(node: Node) -> None:
+async def live(program: Program) -> None:
     """Show that the loop turns, until the program is to end."""
-    while not node.ending.is_set():
+    while not program.ending.is_set():
         alive.touch()
-        await asyncio.to_thread(node.ending.wait, alive.PERIOD)
+        await asyncio.to_thread(program.ending.wait, alive.PERIOD)

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 import rospy
 from std_msgs.msg import Empty
 
-from laser_bot_battle.light import COOLDOWN
+from laser_bot_battle.light_protocol import COOLDOWN
 from laser_bot_battle.msg import Setup
 from laser_bot_battle.names import identify_topic, setup_topic
-from server.game.light import damage_code
+from server.game.emitter import damage_code
 from server.game.snapshot import Snapshot
 from server.ros.robot_topics import Publication, RobotTopics
 

@@ -14,7 +14,7 @@ from laser_bot_battle.watched import Owner, in_loop, watched
 from server.access.handshake import OwnPages, own_names
 from server.messages.types import Types
 from server.program.event_loop import live, ros_node, warn_of_arguments, work_in_loop
-from server.program.node import Node, read_arguments
+from server.program.program import Program, read_arguments
 from server.rosapi.node import start_rosapi
 from server.rosbridge.bridge import Bridge
 from server.rosbridge.gate import Gate
@@ -30,31 +30,31 @@ FLUSH = 0.1  # s
 
 def main() -> int:
     """The program; returns its exit code."""
-    program = "python3 -m server.rosbridge"
+    command = "python3 -m server.rosbridge"
     description = "WebSocket server between browsers and ROS (rosbridge v2 protocol), with rosapi."
-    environment = read_arguments(program, description, *VARIABLES, options=OPTIONS)
-    settings = read_or_exit(program, Settings.from_env, environment)
-    configure_logging(settings.node.log_level)
+    environment = read_arguments(command, description, *VARIABLES, options=OPTIONS)
+    settings = read_or_exit(command, Settings.from_env, environment)
+    configure_logging(settings.program.log_level)
     priority.take(settings.priority)
     warn_of_arguments(ROSBRIDGE_NODE)
-    node = Node(ROSBRIDGE_NODE, settings.node)
-    return node.run(lambda listener: work_in_loop(node, "rosbridge", lambda: _talk(node, settings, listener)))
+    program = Program(ROSBRIDGE_NODE, settings.program)
+    return program.run(lambda listener: work_in_loop(program, "rosbridge", lambda: _talk(program, settings, listener)))
 
 
-async def _talk(node: Node, settings: Settings, listener: socket.socket) -> None:
+async def _talk(program: Program, settings: Settings, listener: socket.socket) -> None:
     types = Types()
-    async with ros_node(node, ROSBRIDGE_NODE) as own_node, ros_node(node, ROSAPI_NODE) as rosapi_node:
+    async with ros_node(program, ROSBRIDGE_NODE) as own_node, ros_node(program, ROSAPI_NODE) as rosapi_node:
         clock = await clock_of(own_node)
         await start_rosapi(rosapi_node, types, clock, settings.globs)
         bridge = Bridge(own_node, types, clock, Gate(settings.operator_token, settings.globs), settings.is_open)
         pages = OwnPages(settings.web_port, settings.origins, own_names())
         async with WebSocketServer(bridge, listener, pages.identity_of, proxies=settings.proxies) as server:
             bridge.touch = server.touch
-            _log.info("listening on %s port %d", settings.node.bind, settings.node.port)
+            _log.info("listening on %s port %d", settings.program.bind, settings.program.port)
             if settings.is_open:
                 _log.warning("open: everybody who gets to this port may do everything, and drive every robot")
-            with watched("rosbridge", settings.node.metrics, in_loop(Owner(bridge.figures, bridge.missing))):
-                await live(node)
+            with watched("rosbridge", settings.program.metrics, in_loop(Owner(bridge.metrics, bridge.missing))):
+                await live(program)
                 bridge.stop()  # first of all: whoever looked at its figures may take a moment to be sent away
             await asyncio.sleep(FLUSH)
 

@@ -36,7 +36,7 @@ from server.rosbridge.effects import (
 )
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
-from server.rosbridge.metrics import Delays, figures, missing
+from server.rosbridge.metrics import Delays, metrics, missing
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
@@ -131,9 +131,9 @@ class Bridge:
         for task in self._tasks:
             task.cancel()
 
-    def figures(self) -> Iterable[Metric]:
+    def metrics(self) -> Iterable[Metric]:
         """For those who watch rosbridge."""
-        return figures(len(self._connections), self._gate, self._drivers, self._delays, self._loop.time())
+        return metrics(len(self._connections), self._gate, self._drivers, self._delays, self._loop.time())
 
     def missing(self) -> str:
         """Why nobody can drive, "" if the players of a battle can."""

@@ -37,7 +37,7 @@ def missing(gate: Gate, now: float) -> str:
     return "nothing heard from the referee" if gate.silence(now) > REFEREE_SILENCE else ""
 
 
-def figures(clients: int, gate: Gate, drivers: Drivers, delays: Delays, now: float) -> Iterable[Metric]:
+def metrics(clients: int, gate: Gate, drivers: Drivers, delays: Delays, now: float) -> Iterable[Metric]:
     return [
         gauge("laserbot_rosbridge_clients", "Open WebSockets of pages, bots and others.", clients),
         counter("laserbot_commands_total", "Commands for robots that clients have published.", drivers.commands),

@@ -9,7 +9,7 @@ from laser_bot_battle.settings import Variable
 from server.access.globs import Globs
 from server.access.operator_token import read_operator_token
 from server.access.proxies import Network, believed
-from server.program.node import NodeSettings
+from server.program.program import ProgramSettings
 
 VARIABLES = (
     variables.BIND,
@@ -46,7 +46,7 @@ OPTIONS: dict[str, Variable[Any]] = {
 class Settings:
     """What an operator can choose about rosbridge."""
 
-    node: NodeSettings
+    program: ProgramSettings
     operator_token: str  # empty: nobody is an operator
     is_open: bool  # everybody may do what an operator may
     globs: Globs
@@ -59,7 +59,7 @@ class Settings:
     def from_env(cls, environ: Mapping[str, str]) -> Self:
         """Read `environ`. SettingsError for an impossible value."""
         return cls(
-            node=NodeSettings.from_env(environ, variables.ROSBRIDGE),
+            program=ProgramSettings.from_env(environ, variables.ROSBRIDGE),
             operator_token=read_operator_token(environ),
             is_open=variables.OPEN.read(environ),
             globs=Globs(

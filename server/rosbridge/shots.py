@@ -1,6 +1,6 @@
 """The shots that drivers command, told to the referee on /shots."""
 
-from laser_bot_battle.light import COOLDOWN, PLAIN_PERIOD
+from laser_bot_battle.light_protocol import COOLDOWN, PLAIN_PERIOD
 from laser_bot_battle.msg import Shot
 from laser_bot_battle.names import ROBOT_IDS, SHOTS, command_topic
 from server.rosbridge.effects import Publish

@@ -44,7 +44,7 @@ COUNTED_BY_THE_BOARD = tuple(
 )
 
 
-def figures(
+def metrics(
     game: GameLoop, health: RobotsHealth, hits: Mapping[tuple[str, ...], int], problem: Callable[[], str]
 ) -> Iterable[Metric]:
     """`hits` by light and whether they count; `problem` is the database's."""

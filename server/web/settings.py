@@ -12,7 +12,7 @@ from laser_bot_battle.settings import Variable
 from server.access.operator_token import read_operator_token
 from server.access.proxies import Network, believed
 from server.game.rules import DECLARED, Rules
-from server.program.node import NodeSettings
+from server.program.program import ProgramSettings
 from server.store.location import data_folder, database_url
 
 VARIABLES: tuple[Variable[Any], ...] = (
@@ -42,7 +42,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
 class Settings:
     """What an operator can choose about the web server."""
 
-    node: NodeSettings
+    program: ProgramSettings
     rosbridge_port: int
     relay_port: int  # of the cameras' pictures
     view_port: int | None  # of an arena's view, on the host that serves the page; None: there is none to show
@@ -61,7 +61,7 @@ class Settings:
         database, arena = database_url(environ), variables.ARENA_NAME.read(environ)
         journal = variables.JOURNAL.read(environ)
         return cls(
-            node=NodeSettings.from_env(environ, variables.WEB),
+            program=ProgramSettings.from_env(environ, variables.WEB),
             rosbridge_port=variables.ROSBRIDGE.read(environ),
             relay_port=variables.RELAY.read(environ),
             view_port=variables.VIEW.read(environ),

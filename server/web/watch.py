@@ -25,7 +25,7 @@ def create_watch(game: GameLoop, settings: Settings, health: RobotsHealth) -> Bl
 
     @pages.get("/watch")
     def watch() -> str:
-        address = players_address(request.scheme, request_host(), settings.node.bind, settings.node.port)
+        address = players_address(request.scheme, request_host(), settings.program.bind, settings.program.port)
         return render_template(
             "watch.html",
             address=address,

@@ -12,8 +12,8 @@ from laser_bot_battle.settings import describe, read_or_exit
 from laser_bot_battle.watched import Owner, in_loop, watched
 from sim.arena.ambient import Ambient, add_options
 from sim.arena.eyes.pages import EyePages
-from sim.arena.figures import figures
 from sim.arena.link import Link
+from sim.arena.metrics import metrics
 from sim.arena.settings import VARIABLES, Settings
 from sim.arena.view import View
 from sim.arena.world import World
@@ -34,7 +34,7 @@ async def run(settings: Settings, light: Ambient, timecode: bool) -> None:
         await link.start(settings.bind, settings.link_port)
         await web.TCPSite(page, settings.bind, settings.view_port).start()
         _log.info("arena at http://localhost:%d, robots connect to port %d", settings.view_port, settings.link_port)
-        owner = Owner(lambda: figures(world, view.viewers), lambda: "")
+        owner = Owner(lambda: metrics(world, view.viewers), lambda: "")
         with watched("arena", settings.metrics, in_loop(owner)):
             await live_until(end)
     finally:

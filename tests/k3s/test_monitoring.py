@@ -41,7 +41,7 @@ def test_the_programs_tell_where_prometheus_asks_and_nobody_else(manifests: Mani
         command = container_of(manifests, name)["command"]
         settings = ProgramSettings(command, environment_of(manifests, name)).settings
         assert settings is not None
-        address, port = settings.node.metrics
+        address, port = settings.program.metrics
         assert address == "127.0.0.1"
         assert asked[program] == [f"{address}:{port + WATCHED.index(program)}"]
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from laser_bot_battle.light import COOLDOWN, DAMAGES, PLAIN_PERIOD
+from laser_bot_battle.light_protocol import COOLDOWN, DAMAGES, PLAIN_PERIOD
 from tests.support.documents import Row, page, table, value_of
 
 PAGE = page("protocol-light.md")

@@ -39,9 +39,9 @@ ROS = {"ROS_MASTER_URI", "ROS_IP"}  # rospy and rosmaster read these themselves
 Reader = Callable[[Mapping[str, str]], Any]
 READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.ros.master": (LOG_LEVEL.read, lambda _: {ROS_PORT}, ROS),
-    "server.main": (WebSettings.from_env, lambda found: {found.node.port}, ROS),
-    "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.node.port}, ROS),
-    "server.camera": (RelaySettings.from_env, lambda found: {found.node.port}, ROS),
+    "server.main": (WebSettings.from_env, lambda found: {found.program.port}, ROS),
+    "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.program.port}, ROS),
+    "server.camera": (RelaySettings.from_env, lambda found: {found.program.port}, ROS),
     "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),

@@ -48,7 +48,7 @@ class Viewer(BareClient):
         self.say("auth", mac=token)
         return self
 
-    def figures(self) -> dict[str, Any]:
+    def metrics(self) -> dict[str, Any]:
         """An operator's; pictures may come before."""
         self.say("figures")
         return self.wait(lambda message: isinstance(message, dict) and message["op"] == "figures")

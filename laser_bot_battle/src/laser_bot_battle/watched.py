@@ -60,7 +60,7 @@ def labelled(
 class Owner:
     """Whom a visitor's thread asks. Both raise what they like if they cannot answer, which counts as not healthy."""
 
-    figures: Callable[[], Iterable[Metric]]
+    metrics: Callable[[], Iterable[Metric]]
     missing: Callable[[], str]  # what the program lacks to do its work now, "" if nothing
 
 
@@ -74,7 +74,7 @@ def in_loop(owner: Owner) -> Owner:
 
         return lambda: asyncio.run_coroutine_threadsafe(answer(), loop).result(PATIENCE)
 
-    return Owner(asked(lambda: list(owner.figures())), asked(owner.missing))
+    return Owner(asked(lambda: list(owner.metrics())), asked(owner.missing))
 
 
 @contextmanager
@@ -100,12 +100,12 @@ def watched(program: str, first: Address | None, owner: Owner) -> Iterator[None]
             server.shutdown()
 
 
-class _Figures(Collector):
+class _Metrics(Collector):
     def __init__(self, owner: Owner) -> None:
         self._owner = owner
 
     def collect(self) -> Iterable[Metric]:
-        return self._owner.figures()
+        return self._owner.metrics()
 
     def describe(self) -> Iterable[Metric]:
         return ()  # or they would be collected now
@@ -118,7 +118,7 @@ class _Server(socketserver.ThreadingTCPServer):
         self.address_family = socket.AF_INET6 if ":" in bind else socket.AF_INET
         self.owner = owner
         self.registry = CollectorRegistry()
-        self.registry.register(_Figures(owner))
+        self.registry.register(_Metrics(owner))
         ProcessCollector(registry=self.registry)
         super().__init__((bind, port), _Visitor)
 

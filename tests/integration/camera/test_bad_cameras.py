@@ -123,7 +123,7 @@ def test_a_camera_that_stands_still_is_given_up_while_its_picture_grows_old(came
     operator, ages = viewer().operate(), []
 
     def has_aged() -> bool:
-        figures = {eye["robot"]: eye for eye in operator.figures()["cameras"]}
+        figures = {eye["robot"]: eye for eye in operator.metrics()["cameras"]}
         ages.append(figures[stopped[0]]["age"])
         return bool(ages[-1] is not None and ages[-1] > 1)
 

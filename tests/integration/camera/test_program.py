@@ -60,7 +60,7 @@ def test_no_more_viewers_than_are_allowed(ros_master: RosMaster, referee: RosSid
 
         assert [is_full() for _ in range(3)] == [False, False, True]  # one address has half
         for viewer in viewers:
-            viewer.operate().figures()
+            viewer.operate().metrics()
         assert [is_full() for _ in range(3)] == [False, False, True]
         assert requests.get(f"http://127.0.0.1:{relay.port}", timeout=5).status_code == 426  # it is full, not sick
         viewers[-1].close()
@@ -74,7 +74,7 @@ def test_before_the_referee_has_spoken_only_operators_see(own_master: RosMaster,
     with Relay(own_master) as relay, Viewer(relay.port) as guest, Viewer(relay.port) as operator:
         guest.watch(1)
         assert guest.state("waiting") == "nothing has been heard from the referee yet"
-        operator.operate().figures()
+        operator.operate().metrics()
         operator.watch(1)
         operator.picture()
         assert guest.sees_nothing_while(operator)
@@ -92,7 +92,7 @@ def test_while_the_master_hangs_pictures_go_on_and_who_comes_is_told(own_master:
     tell_camera(own_master, 1, eye.url)
     with Relay(own_master) as relay, Viewer(relay.port) as early, Viewer(relay.port) as late:
         for each in (early, late):
-            each.operate().figures()
+            each.operate().metrics()
         early.watch(1)
         early.picture()
         own_master.pause()

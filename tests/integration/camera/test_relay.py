@@ -145,11 +145,11 @@ def test_figures_are_for_operators_and_true(camera: Start, viewer: Connect, rela
 
     def measured() -> bool:
         guest.picture()
-        eye = next(eye for eye in operator.figures()["cameras"] if eye["robot"] == robot)
+        eye = next(eye for eye in operator.metrics()["cameras"] if eye["robot"] == robot)
         return bool(abs(eye["rate"] - 20) < 4)
 
     until(measured, 10, "20 pictures a second")
-    figures = operator.figures()
+    figures = operator.metrics()
     assert (figures["viewers"], figures["most_viewers"], figures["most_mbit"]) == (2, 400, 200)
     assert figures["mbit"] > 0.5
     (eye,) = [eye for eye in figures["cameras"] if eye["robot"] == robot]

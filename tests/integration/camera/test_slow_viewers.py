@@ -55,7 +55,7 @@ def test_who_never_reads_delays_nobody_costs_little_and_is_given_up(
     assert statistics.median(ages) < 0.1
     # none keeps any of the 60 pictures of 200 kB that came meanwhile
     assert resident(relay) - before < 10 * 2**20
-    assert operator.figures()["mbit"] < 2 * 32  # what is not sent does not count: there is one who reads
+    assert operator.metrics()["mbit"] < 2 * 32  # what is not sent does not count: there is one who reads
     relay.program.wait_for("given up, it has not read for 5 s", 15)
     assert quick.picture().robot == robot
     assert eye.connections == 1
@@ -111,7 +111,7 @@ def test_beyond_the_rate_spectators_get_fewer_and_operators_all(
         Viewer(relay.port) as one,
         Viewer(relay.port) as two,
     ):
-        operator.operate().figures()
+        operator.operate().metrics()
         for each in (operator, one, two):
             each.watch(robot)
         first = operator.picture().mark.number
@@ -121,4 +121,4 @@ def test_beyond_the_rate_spectators_get_fewer_and_operators_all(
         # 1 Mbit/s is left for two, who would have 8
         assert 4 < one.shots + two.shots < 30
         assert min(one.shots, two.shots) >= 2
-        assert operator.figures()["mbit"] < 7
+        assert operator.metrics()["mbit"] < 7

@@ -29,7 +29,7 @@ class Hall:
         self.bo = player("bo", "token-of-bo", self.two, ready=False)
         self.operator = self.looks("", self.one)
         self.operator.operate()
-        self.operator.figures()  # so it is one
+        self.operator.metrics()  # so it is one
 
     def looks(self, token: str, robot: int, headers: Mapping[str, str] | None = None) -> Viewer:
         looking = self.viewer(token, headers)

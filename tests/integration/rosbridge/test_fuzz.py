@@ -59,7 +59,7 @@ class Fuzzer:
         sent = (f"{number}: {made.said[:500]!r}" for number, made in enumerate(self._sent, first))
         return "\n".join((f"newest operations of the {self.role.name}, seed {self._seed}:", *sent))
 
-    def figures(self) -> str:
+    def metrics(self) -> str:
         return f"{self.role.name}: {self.connections} connections, {self.errors} errors, {self.successes} calls;"
 
     def connect(self) -> None:
@@ -182,7 +182,7 @@ class Arena:
                 except (OSError, AssertionError) as error:
                     trouble = f"{error} {log.trouble()}"
                 assert not trouble, "\n".join(map(str, (*fuzzers, trouble)))
-        print(f"memory {memory / 2**20:.1f}, then {self.memory() / 2**20:.1f} MiB;", *map(Fuzzer.figures, fuzzers))
+        print(f"memory {memory / 2**20:.1f}, then {self.memory() / 2**20:.1f} MiB;", *map(Fuzzer.metrics, fuzzers))
         return self.memory() - memory
 
     def serves(self) -> bool:

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from laser_bot_battle.light import COOLDOWN, PLAIN_PERIOD
+from laser_bot_battle.light_protocol import COOLDOWN, PLAIN_PERIOD
 from server.access.identity import Identity, session_identity
 from server.rosbridge.effects import Publish
 from server.rosbridge.shots import Shots

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
 from server.game import desk, events
+from server.game.emitter import DELAY, PULSE
 from server.game.events import Recorded
-from server.game.light import DELAY, PULSE
 from server.game.persistence import restore
 from server.game.referee import Referee, Verdict
 from server.game.replay import replay

@@ -10,9 +10,9 @@ from server.web.settings import Settings
 
 def test_the_defaults_are_the_manuals() -> None:
     settings = Settings.from_env({"HOME": "/home/op"})
-    assert (settings.node.bind, settings.node.port, settings.rosbridge_port) == ("0.0.0.0", 5000, 9090)
+    assert (settings.program.bind, settings.program.port, settings.rosbridge_port) == ("0.0.0.0", 5000, 9090)
     assert settings.view_port is None
-    assert settings.node.master_uri == "http://localhost:11311"
+    assert settings.program.master_uri == "http://localhost:11311"
     assert settings.data.is_absolute()
     assert settings.data.parts[-3:] == (".local", "share", "laserbot")
     rules = settings.rules
@@ -38,8 +38,13 @@ def test_every_variable_is_read() -> None:
             "ROS_MASTER_URI": "http://master:1",
         }
     )
-    node, rules = settings.node, settings.rules
-    assert (node.bind, node.port, node.log_level, node.master_uri) == ("127.0.0.1", 80, "debug", "http://master:1")
+    program, rules = settings.program, settings.rules
+    assert (program.bind, program.port, program.log_level, program.master_uri) == (
+        "127.0.0.1",
+        80,
+        "debug",
+        "http://master:1",
+    )
     assert (settings.rosbridge_port, settings.view_port) == (91, 92)
     assert (settings.data, settings.roster) == (Path("/data"), {"/id_service_client_pi": 3})
     assert (rules.hit_damage, rules.countdown, rules.battle_limit, rules.player_timeout) == (25, 0.5, 60, 30)

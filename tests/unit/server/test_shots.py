@@ -4,10 +4,10 @@ import json
 
 import pytest
 
-from laser_bot_battle.light import COOLDOWN, DAMAGES
+from laser_bot_battle.light_protocol import COOLDOWN, DAMAGES
 from server.game import events
+from server.game.emitter import DELAY, PULSE, damage_code
 from server.game.events import from_json, kind_of, to_json
-from server.game.light import DELAY, PULSE, damage_code
 from server.game.replay import replay
 from server.game.rules import Rules
 from tests.unit.server.conftest import Match

@@ -8,7 +8,7 @@ from laser_bot_battle.watched import gauge, labelled
 from sim.arena.world import World
 
 
-def figures(world: World, viewers: int) -> Iterable[Metric]:
+def metrics(world: World, viewers: int) -> Iterable[Metric]:
     robots = world.robots.values()
     return [
         gauge("laserbot_arena_robots", "Virtual robots on the floor.", len(robots)),

@@ -46,7 +46,7 @@ def read_arguments(
 
 
 @dataclass(frozen=True)
-class NodeSettings:
+class ProgramSettings:
     """What every program of the master needs to live."""
 
     bind: str
@@ -69,10 +69,10 @@ class NodeSettings:
         )
 
 
-class Node:
+class Program:
     """The ROS node `name` while its program runs. A signal ends it with exit code 0, and `fail` with 1."""
 
-    def __init__(self, name: str, settings: NodeSettings) -> None:
+    def __init__(self, name: str, settings: ProgramSettings) -> None:
         self.name = name
         self.settings = settings
         self._exit_code = 0

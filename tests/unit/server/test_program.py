@@ -10,7 +10,7 @@ from tests.support.ports import free_port
 # the signal comes at the worst moment: while the main thread holds the lock of what the signal is to set
 PROGRAM = """
 import signal, sys, threading
-from server.program.node import Node, NodeSettings
+from server.program.program import Program, ProgramSettings
 
 class Unlucky(threading.Event):
     def wait(self, timeout=None):
@@ -19,9 +19,10 @@ class Unlucky(threading.Event):
                 signal.raise_signal(signal.SIGTERM)
         return super().wait(timeout)
 
-node = Node("/a", NodeSettings("127.0.0.1", int(sys.argv[1]), "LASERBOT_WEB_PORT", "http://127.0.0.1:1", None, "info"))
-node.ending = Unlucky()
-sys.exit(node.run(lambda listener: None))
+settings = ProgramSettings("127.0.0.1", int(sys.argv[1]), "LASERBOT_WEB_PORT", "http://127.0.0.1:1", None, "info")
+program = Program("/a", settings)
+program.ending = Unlucky()
+sys.exit(program.run(lambda listener: None))
 """
 
 

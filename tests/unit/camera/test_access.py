@@ -4,7 +4,7 @@ import pytest
 
 from laser_bot_battle.msg import GameStatus, UserStatus
 from server.access.identity import FOREIGN_GUEST, GUEST, OPERATOR, Identity, session_identity
-from server.camera.access import Sight
+from server.camera.access import CameraAccess
 from tests.support.documents import page
 
 # al fights with robot 0, bo has robot 1 and looks on, cy has signed out
@@ -13,8 +13,8 @@ STOPPED, COUNTDOWN, PLAYING = GameStatus.STOPPED, GameStatus.COUNTDOWN, GameStat
 FREE, HIDDEN = False, True
 
 
-def sight(game: int, hide: bool) -> Sight:
-    new = Sight("secret")
+def access(game: int, hide: bool) -> CameraAccess:
+    new = CameraAccess("secret")
     users = [
         UserStatus(name="al", robot=0, ready=True, session=AL.session),
         UserStatus(name="bo", robot=1, ready=False, session=BO.session),
@@ -36,17 +36,17 @@ def sight(game: int, hide: bool) -> Sight:
     ],
 )
 def test_the_table(who: Identity, game: int, hide: bool, seen: set[int]) -> None:
-    rules = sight(game, hide)
+    rules = access(game, hide)
     assert {robot for robot in (0, 1, 2) if not rules.refuses(who, robot)} == seen
 
 
 def test_a_refusal_says_why() -> None:
-    assert sight(PLAYING, FREE).refuses(AL, 1) == "in a battle you see through your own robot's camera only"
-    assert sight(PLAYING, HIDDEN).refuses(GUEST, 1) == "the cameras are hidden while a battle runs"
+    assert access(PLAYING, FREE).refuses(AL, 1) == "in a battle you see through your own robot's camera only"
+    assert access(PLAYING, HIDDEN).refuses(GUEST, 1) == "the cameras are hidden while a battle runs"
 
 
 def test_the_newest_word_of_the_referee_counts() -> None:
-    rules = sight(PLAYING, HIDDEN)
+    rules = access(PLAYING, HIDDEN)
     assert rules.is_own(AL, 0)
     rules.hear(GameStatus(game=PLAYING, hide_cameras=True, users=[UserStatus(name="al", robot=2, session=AL.session)]))
     assert (rules.is_own(AL, 0), rules.is_own(AL, 2)) == (False, True)
@@ -56,8 +56,8 @@ def test_the_newest_word_of_the_referee_counts() -> None:
 
 
 def test_before_the_first_word_nothing_is_known() -> None:
-    assert not Sight("").is_known
-    assert sight(STOPPED, FREE).is_known
+    assert not CameraAccess("").is_known
+    assert access(STOPPED, FREE).is_known
 
 
 def test_the_page_has_this_table() -> None:

@@ -16,7 +16,7 @@ _ALLOWED = re.compile(rb"GET /(stream|snapshot|state)(\?[\w=&.-]*)? HTTP/1\.[01]
 _log = logging.getLogger(__name__)
 
 
-class Door:
+class MasterOnly:
     """A TCP server; each connection of the master's is joined to one of ustreamer's, on its Unix socket."""
 
     def __init__(self, socket: Path, may_enter: Callable[[str], Awaitable[bool]]) -> None:

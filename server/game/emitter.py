@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from laser_bot_battle.light import COOLDOWN, DAMAGES
+from laser_bot_battle.light_protocol import COOLDOWN, DAMAGES
 
 PULSE = 0.5  # s that the plain light of a shot lasts
 # s that a report of a hit may take longer than the news of its shot: the way over radio, robot and serial line
