@@ -3,10 +3,12 @@
 import json
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from server.game.rules import Rules
+from laser_bot_battle.settings import Variable
+from server.game.rules import DECLARED, Rules
 from server.web.settings import Settings
 from tests.support.local_play import play_role, recap
 from tests.support.programs import ROOT
@@ -51,14 +53,16 @@ def rules(**knobs: object) -> Rules:
     return Settings.from_env(json.loads(run.stdout.partition("=>")[2])["master_rules"]).rules
 
 
+def other(rule: Variable[Any]) -> Any:
+    """A value of this rule that is not its default."""
+    if rule.is_flag:
+        return not rule.default
+    if rule.words:
+        return next(word for word in rule.words if word != rule.default)
+    return 2 if rule.default != 2 else 3
+
+
 def test_the_rules_of_the_battle_reach_the_server() -> None:
     assert rules() == Rules()
-    changed = {
-        "hit_damage": 20,
-        "light": "coded",
-        "teams": 2,
-        "friendly_fire": True,
-        "light_damage": True,
-        "hide_cameras": True,
-    }
-    assert rules(**{f"master_{rule}": value for rule, value in changed.items()}) == Rules(**changed)  # type: ignore[arg-type]
+    changed = {name: other(variable) for name, variable in DECLARED.items()}
+    assert rules(**{f"master_{rule}": value for rule, value in changed.items()}) == Rules(**changed)

@@ -126,27 +126,8 @@ export function waiterText({ offer, seconds }) {
   return t("desk.offered", { id: offer, n: Math.ceil(seconds) });
 }
 
-/** The rules that the words name; one that is newer is shown by its own name. */
-const RULE_NAMES = {
-  hit_damage: "desk.rule_hit_damage",
-  countdown: "desk.rule_countdown",
-  battle_limit: "desk.rule_battle_limit",
-  player_timeout: "desk.rule_player_timeout",
-  seat_timeout: "desk.rule_seat_timeout",
-  idle: "desk.rule_idle",
-  offer: "desk.rule_offer",
-  battles_in_row: "desk.rule_battles_in_row",
-  seats: "desk.rule_seats",
-  practice: "desk.rule_practice",
-  light: "desk.rule_light",
-  teams: "desk.rule_teams",
-  friendly_fire: "desk.rule_friendly_fire",
-  light_damage: "desk.rule_light_damage",
-  hide_cameras: "desk.rule_hide_cameras",
-};
-
 /** A rule's name for people. */
-export const ruleName = (key) => (RULE_NAMES[key] ? t(RULE_NAMES[key]) : sentence(key.replaceAll("_", " ")));
+export const ruleName = (key) => t(`desk.rule_${key}`);
 
 const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
