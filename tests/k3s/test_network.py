@@ -105,7 +105,7 @@ def test_the_page_is_told_the_ports_of_the_nodes() -> None:
             assert set(node_ports) == {"web", "rosbridge", "relay", "view"}
             settings = here.config("settings")
             (web,) = [container for _, container in here.containers if container["name"] == "web"]
-            told = ProgramSettings(web["command"], settings["data"]).settings
+            told = ProgramSettings(web["command"], settings.get("data", {})).settings
             assert told is not None
             assert (told.rosbridge_port, told.relay_port, told.view_port) == (
                 node_ports["rosbridge"],
@@ -143,7 +143,7 @@ def test_on_a_lan_pages_and_nodes_have_the_hosts_addresses() -> None:
     settings = here.config("settings")
     (web,) = [container for _, container in here.containers if container["name"] == "web"]
     (rosbridge,) = [container for _, container in here.containers if container["name"] == "rosbridge"]
-    told = ProgramSettings(web["command"], settings["data"]).settings
+    told = ProgramSettings(web["command"], settings.get("data", {})).settings
     assert told is not None
     assert told.rosbridge_port == rosbridge["ports"][0]["containerPort"]
     assert told.view_port is None

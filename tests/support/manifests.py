@@ -134,7 +134,7 @@ class Kubelet:
         """All that the manifest and the kubelet set; KeyError for what is not there."""
         found: dict[str, str] = {}
         for source in container.get("envFrom", []):
-            found |= self._manifests.one("ConfigMap", source["configMapRef"]["name"])["data"]
+            found |= self._manifests.one("ConfigMap", source["configMapRef"]["name"]).get("data", {})
         for variable in container.get("env", []):
             value = self._value(variable, found)
             if value is not None:
