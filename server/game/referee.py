@@ -15,7 +15,7 @@ from typing import Any
 
 from laser_bot_battle.light_protocol import DAMAGES
 from laser_bot_battle.names import Game
-from server.game import desk, events, seats, views
+from server.game import changes, desk, events, seats, views
 from server.game.events import Event, Recorded
 from server.game.overview import overview
 from server.game.persistence import save
@@ -390,7 +390,7 @@ class Referee:
             self._decide(event, now)
 
     def _decide(self, event: Event, now: float) -> None:
-        self._state.apply(event, now)
+        changes.apply(self._state, event, now)
         if isinstance(event, events.RulesChanged):
             self._rules = replace(self._configured, **self._state.rules)
         self._due, self._latest = -math.inf, None

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from server.game import events
+from server.game import changes, events
 from server.game.events import Recorded
 from server.game.snapshot import Placing
 from server.game.state import State
@@ -20,14 +20,14 @@ def replay(recorded: Iterable[Recorded]) -> tuple[Placing, ...]:
             case events.BattleStarted(_, _, fighters):
                 state = State()
                 for fighter in fighters:
-                    state.apply(events.RobotCame(fighter.robot, None), one.at)
-                    state.apply(events.SignedUp(fighter.name, fighter.robot, "", fighter.avatar), one.at)
-                    state.apply(events.ReadyChanged(fighter.name, True), one.at)
-                state.apply(one.event, one.at)
+                    changes.apply(state, events.RobotCame(fighter.robot, None), one.at)
+                    changes.apply(state, events.SignedUp(fighter.name, fighter.robot, "", fighter.avatar), one.at)
+                    changes.apply(state, events.ReadyChanged(fighter.name, True), one.at)
+                changes.apply(state, one.event, one.at)
             case events.Hit() | events.Left() | events.Unseated() if state.users.get_user(one.event.name):
-                state.apply(one.event, one.at)
+                changes.apply(state, one.event, one.at)
             case events.RobotGone(robot) if state.robots.get_robot(robot):
-                state.apply(one.event, one.at)
+                changes.apply(state, one.event, one.at)
             case events.BattleEnded():
                 for placing in one.event.result:
                     fought = state.fighter(placing.name)
