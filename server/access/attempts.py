@@ -1,4 +1,4 @@
-"""Wrong operator tokens: who guesses is slowed down."""
+"""Wrong operator tokens: anyone who guesses is slowed down."""
 
 FREE = 5  # wrong tokens of one address at once, then
 PERIOD = 1.0  # s for each further one

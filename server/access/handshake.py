@@ -77,7 +77,7 @@ def origin_of(text: str) -> Origin | None:
 
 def is_local(host: str) -> bool:
     """Whether `host` cannot be a name of the internet's DNS: its owner could let it point to this machine (DNS
-    rebinding), and his pages would then be ours."""
+    rebinding), and the pages there would then be ours."""
     if "." not in host or host.endswith(".local"):
         return True
     try:

@@ -21,7 +21,7 @@ class CameraAccess(People):
         self._hidden = status.hide_cameras
 
     def refuses(self, who: Identity, robot: int) -> str:
-        """Why this viewer may not look through the robot's camera now; empty: he may."""
+        """Why this viewer may not look through the robot's camera now; empty: they may."""
         if who.foreign:  # a browser in this network would show the hall to whoever has made the page
             return "this page is not at the game's own address: sign in to see through the cameras"
         player = self.player(who)

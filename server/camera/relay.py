@@ -29,7 +29,7 @@ _log = logging.getLogger(__name__)
 
 REFUSED = "refused"
 TICK = 0.5  # s between two looks at rates, and at those who have not proven who they are
-# Who loads the page again finds the camera as it was, and who flips through all of them connects to each once a second.
+# Reloading the page finds the camera as it was, and flipping through all of them connects to each once a second.
 LINGER = 1.0  # s
 MEGABIT = 1e6 / 8  # bytes
 SAME_TIME = 0.001  # s; a picture sent to many at once is the same for all

@@ -48,7 +48,7 @@ async def run(settings: FrontSettings) -> int:
 
 
 def _offer_authority(settings: FrontSettings, folder: Path) -> None:
-    """nginx's workers, who are nobody special, give visitors what the operator's own folder may hide."""
+    """nginx's workers have no rights of their own, and give visitors what the operator's folder may hide from them."""
     if settings.certificate and settings.certificate.authority:
         with suppress(OSError):  # it is just being replaced
             shutil.copyfile(settings.certificate.authority, folder / "ca.crt")

@@ -48,7 +48,7 @@ def _here(settings: FrontSettings) -> str:
 def _tls_ports(settings: FrontSettings) -> dict[str, str]:
     """The port of an https:// address for visitors whose own address has a port, and for those whose has none.
 
-    Who comes without one to a port other than 80 was led here from 80, as by a load balancer: so is 443.
+    A visitor without one at a port other than 80 was led here from 80, as by a load balancer: so is 443.
     """
     port = "" if settings.https_port == HTTPS_PORT else f":{settings.https_port}"
     return {"named": port, "usual": port if settings.http_port == HTTP_PORT else ""}

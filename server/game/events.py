@@ -76,7 +76,7 @@ class Queued:
 
 @dataclass(frozen=True, slots=True)
 class Offered:
-    """A robot is kept for who waits."""
+    """A robot is kept for somebody in the queue."""
 
     name: str
     robot: int
@@ -162,7 +162,7 @@ class CountdownStopped:
 
 @dataclass(frozen=True, slots=True)
 class Fighter:
-    """Who takes part in a battle."""
+    """Somebody who takes part in a battle."""
 
     name: str
     robot: int

@@ -160,7 +160,7 @@ class Referee:
     ) -> tuple[Verdict, Player | Waiter | None]:
         """Claim the name and a robot together: the one with the ID `wanted`, or the lowest that is free.
 
-        OK and the player. Without such a robot, or while others wait: with `wait` QUEUED and who waits now, else
+        OK and the player. Without such a robot, or while others wait: with `wait` QUEUED and who is waiting now, else
         NO_ROBOTS or ROBOT_UNAVAILABLE. NAME_TAKEN, NAME_BANNED and NAME_UNWANTED go before both. Who signs up again
         with the session that the page has already (`old_session`) keeps everything; with another name, the old one is
         signed out, since the page forgets its session. `address` stands for the page's.
@@ -208,7 +208,7 @@ class Referee:
         return Verdict.OK, views.player(self._state.users.user(known.name), self._state, self._rules, now)
 
     def sign_out(self, name: str, session: str, now: float) -> Verdict:
-        """OK, UNKNOWN_USER or NOT_YOURS. Allowed at any time, and to who waits."""
+        """OK, UNKNOWN_USER or NOT_YOURS. Allowed at any time, also while waiting."""
         self.tick(now)
         known = self._named(name)
         if known is None:
@@ -385,7 +385,7 @@ class Referee:
         self._settle_seats(now)
 
     def _settle_seats(self, now: float) -> None:
-        """Give robots that nobody has to who waits."""
+        """Offer robots that nobody has to those who wait."""
         while event := seats.next_event(self._state, self._rules):
             self._decide(event, now)
 

@@ -1,8 +1,9 @@
 """Who gets a robot, and for how long, when there are more people than robots: pure rules over the state.
 
-A robot that nobody has is offered to whoever has waited longest. While somebody waits, a seat is not for ever: who is
-not ready for a while loses it to who has waited as long, and so does, between battles, who has played some in a row.
-Both then wait behind the others. An address that has a robot gets another one only when nobody from elsewhere waits.
+A robot that nobody has is offered to whoever has waited longest. While somebody waits, a seat is not for ever: a
+player who is not ready for a while loses it to somebody who has waited as long, and so does, between battles, one who
+has played several in a row. Both then wait behind the others. An address that has a robot gets another one only when
+nobody from elsewhere waits.
 """
 
 from collections.abc import Iterator
@@ -50,7 +51,7 @@ def free_robots(state: State, rules: Rules) -> list[Robot]:
 
 
 def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left | events.Unseated]]:
-    """What happens to players and who waits when nothing is heard of them: when, and what."""
+    """What happens, and when, to players and those who wait when nothing is heard of them."""
     for user in state.users:
         yield user.seen + _patience(user, state, rules), events.Left(user.name, "left the page")
         if user.robot_gone_at is not None:

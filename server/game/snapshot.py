@@ -25,7 +25,7 @@ class Player:
 
 @dataclass(frozen=True, slots=True)
 class Waiter:
-    """Who waits for a robot; place 1 is the next."""
+    """Somebody who waits for a robot; place 1 is the next."""
 
     name: str
     avatar: int
@@ -71,7 +71,7 @@ class Snapshot:
     notice: str  # why the last countdown or battle ended; empty while one runs
     paused: bool  # by an operator: the time left stands
     message: str  # of an operator to everybody; empty: none
-    free_robots: tuple[int, ...]  # IDs of those that would be given to who comes
+    free_robots: tuple[int, ...]  # IDs of those that the next players would get
     robots: tuple[int, ...]  # IDs of the registered robots
     players: tuple[Player, ...]  # in ranking order
     queue: tuple[Waiter, ...]  # the next one first

@@ -76,7 +76,7 @@ class State:
         )
 
     def waiting(self, name: str) -> Waiting:
-        """Who waits under that name. KeyError when nobody does."""
+        """The one who waits under that name. KeyError when nobody does."""
         found = next((waiting for waiting in self.queue if waiting.name == name), None)
         if found is None:
             raise KeyError(f"nobody waits as {name}")

@@ -1,4 +1,4 @@
-"""The signed-in players (manual 3.1.4) and who waits to be one: plain data without locks, owned by the referee."""
+"""The signed-in players (manual 3.1.4) and those who wait to be one: plain data without locks, owned by the referee."""
 
 import re
 import unicodedata
@@ -28,7 +28,7 @@ def is_valid_name(name: str) -> bool:
 
 
 def is_reserved_name(name: str) -> bool:
-    """Whether it could be taken for a part of the game, or for who runs it."""
+    """Whether it could be taken for a part of the game, or for those who run it."""
     folded = _folded(name)
     return folded in _RESERVED or _ROBOT.fullmatch(folded) is not None
 
@@ -110,7 +110,7 @@ class User:
 
 @dataclass
 class Waiting:
-    """Who has signed up and waits for a robot. All times are monotonic seconds."""
+    """Somebody who has signed up and waits for a robot. All times are monotonic seconds."""
 
     name: str
     session: str

@@ -16,7 +16,7 @@ from sqlalchemy import URL
 from server.store import versions
 
 _PAGES = 256  # copied at a time, 1 MB
-_BUSY = 5.0  # s to wait for who writes
+_BUSY = 5.0  # s to wait for another writer
 
 
 class CopyError(Exception):
@@ -109,7 +109,7 @@ def _alone(database: Path) -> Iterator[None]:
         return
     with closing(sqlite3.connect(database, timeout=0, isolation_level=None)) as connection:
         try:
-            connection.execute("PRAGMA journal_mode=DELETE")  # only who is alone may change it
+            connection.execute("PRAGMA journal_mode=DELETE")  # only the sole user may change it
             connection.execute("BEGIN EXCLUSIVE")
         except sqlite3.OperationalError as error:
             raise CopyError(f"{database} is in use ({error}): stop the web server first") from None

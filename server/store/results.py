@@ -126,7 +126,7 @@ class Results:
             return join(connection.scalars(select(tracks.data).where(tracks.battle == battle).order_by(tracks.id)))
 
     def leaderboard(self, begin: float, end: float) -> list[Standing]:
-        """Who has won most, in battles that began from `begin` to before `end`; equals by fewer hits per battle."""
+        """The most wins, in battles that began from `begin` to before `end`; equals by fewer hits per battle."""
         fighters, battles = schema.fighters.c, schema.battles.c
         played, hits = func.count(), func.sum(fighters.hits)
         wins = func.sum(case((fighters.place == 1, 1), else_=0))

@@ -108,7 +108,7 @@ def _add_seats(api: Blueprint, game: GameLoop) -> None:
 
     @api.post("/takeRobot")
     def take_robot() -> Response:
-        """Who waits takes the robot that is offered."""
+        """A player who waits takes the robot that is offered."""
         verdict, player = game.take_offer(cookie_session() or "")
         if player is None:
             return reply(status="UNREGISTERED" if verdict is Verdict.UNKNOWN_USER else "NO_ROBOTS")
@@ -229,7 +229,7 @@ def _too_fast(error: str, seconds: int) -> Response:
 
 
 def _seat(who: Player | Waiter) -> dict[str, Any]:
-    """What the own page may know of a player, or of who waits to be one; `seconds`: see Waiter."""
+    """What the own page may know of a player, or of somebody who waits to be one; `seconds`: see Waiter."""
     if isinstance(who, Player):
         return {"status": "OK", "user": who.name, "robot": who.robot}
     return {

@@ -19,7 +19,7 @@ class Line:
     name: str
     path: str
     hits: str
-    end: str  # where the fighter died or left, "" for who stayed to the end
+    end: str  # where the fighter died or left, "" for those who stayed to the end
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""waitress with fair places: who opens sockets and says nothing cannot lock the others out.
+"""waitress with fair shares: whoever opens sockets and says nothing cannot lock the others out.
 
 waitress takes no connection while all its places are in use, and forgets a silent one after minutes. Here a newcomer
 always gets a place: when all are taken, the address that has the most loses the one of them that has waited longest

@@ -54,7 +54,7 @@ def metrics(
     yield gauge("laserbot_players", "People and bots that are signed in.", len(now.players))
     yield gauge("laserbot_queue", "Those who wait for a robot.", len(now.queue))
     yield gauge("laserbot_robots", "Registered robots.", len(now.robots))
-    yield gauge("laserbot_robots_free", "Robots that would be given to who comes.", len(now.free_robots))
+    yield gauge("laserbot_robots_free", "Robots that the next players would get.", len(now.free_robots))
     yield labelled(
         CounterMetricFamily,
         "laserbot_hits_total",

@@ -39,7 +39,7 @@ class Access:
         self._sessions: dict[str, tuple[str, float]] = {}  # operator's name and end, by digest; the oldest first
 
     def check(self, token: str, address: str) -> None:
-        """WrongTokenError or TooManyError unless it is the token. `address` is that of who has sent it."""
+        """WrongTokenError or TooManyError unless it is the token. `address` is the sender's."""
         with self._lock:
             now = self._clock()
             if not self._attempts.allowed(address, now):

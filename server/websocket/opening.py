@@ -43,7 +43,7 @@ class Opening(asyncio.BufferedProtocol):
         self._transport = cast(asyncio.Transport, transport)  # uvloop's are no subclass
         self.address, *_ = transport.get_extra_info("peername") or ("nobody",)
         openings, limits = self._state.openings, self._state.sockets.limits
-        # a proxy's address says nothing yet of who comes
+        # a proxy's address does not say yet who comes
         is_many = is_proxy(self.address, self._state.proxies)
         of_address = 0 if is_many else sum(other.address == self.address for other in openings)
         if len(openings) >= limits.all_opening:

@@ -12,7 +12,7 @@ from rosgraph import xmlrpc
 
 from laser_bot_battle.connection_limits import ConnectionLimits
 
-PATIENCE = 5.0  # s for a request, or until the next one of a connection: who asks then connects anew
+PATIENCE = 5.0  # s for a request, or until the next one of a connection: whoever asks then connects anew
 MAX_REQUEST = 4 * 2**20  # bytes
 MAX_CONNECTIONS = 300
 MAX_OF_ONE_MACHINE = 60

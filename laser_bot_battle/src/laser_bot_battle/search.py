@@ -15,7 +15,7 @@ from laser_bot_battle.announcement import SERVICE, Announcement, NoArenaError, U
 from laser_bot_battle.master_probe import is_master
 
 # s until all have answered. The first answer often goes to another program at port 5353 of this machine, if there is
-# one; the second question comes after 1 s, and who has just spoken may wait for 1 s more (RFC 6762, section 6).
+# one; the second question comes after 1 s, and one that has just spoken may wait for 1 s more (RFC 6762, section 6).
 LISTEN = 2.5
 RESOLVE = 1.2  # s for the records of one service: LISTEN is to see the end of it
 ROUND = 10.0  # s after which a long search starts anew: this machine's networks may have changed

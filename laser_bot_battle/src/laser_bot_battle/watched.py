@@ -80,7 +80,7 @@ def in_loop(owner: Owner) -> Owner:
 @contextmanager
 def watched(program: str, first: Address | None, owner: Owner) -> Iterator[None]:
     """Answer visitors in threads, at the program's place among `WATCHED` from the port of `first` on. Nobody plays
-    worse because he cannot be watched: a port that cannot be had is only logged."""
+    worse because it cannot be watched: a port that cannot be had is only logged."""
     if first is None:
         yield
         return
