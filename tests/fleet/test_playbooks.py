@@ -11,11 +11,12 @@ from websockets.sync.client import connect
 
 from fleet import Machine
 from tests.support.card import packages, settings
+from tests.support.containers import execute
 from tests.support.play import obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
-from tests.support.rehearsal import SSH, Rehearsal, docker, outside, power_off, power_on
+from tests.support.rehearsal import SSH, Rehearsal, copy_into, outside, power_off, power_on
 
 pytestmark = pytest.mark.slow
 
@@ -174,10 +175,8 @@ def test_the_services_stop_and_start(rehearsal: Rehearsal) -> None:
     robot = outside(rehearsal.robots[0])
     power_off(rehearsal.robots[0])
     power_on(rehearsal.robots[0])
-    until(
-        lambda: docker("exec", robot, "systemctl", "is-active", "docker", check=False) == "active\n", 60, "its engine"
-    )
-    assert all(not docker("exec", outside(machine), "docker", "ps", "-q") for machine in rehearsal.machines.values())
+    until(lambda: robot.exec_run(["systemctl", "is-active", "docker"]).output == b"active\n", 60, "its engine")
+    assert not any(execute(outside(machine), "docker", "ps", "-q") for machine in rehearsal.machines.values())
     rehearsal.playbook("stop", "--extra-vars=state=started")
     rehearsal.wait_until_complete()
 
@@ -226,7 +225,7 @@ def test_an_arduino_without_the_firmware_gets_it(rehearsal: Rehearsal, idle: Pat
     program = "/opt/virtual-arduino/opt/laserbot/firmware/laserbot.elf"
     robot.run(f"cp {program} {program}.kept")
     try:
-        docker("cp", str(idle), f"{outside(robot)}:{program}")
+        copy_into(robot, idle, program)
         robot.run("rm /etc/laserbot/firmware.json")
         robot.run("systemctl restart virtual-arduino")
         until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 30, "its robot is gone")

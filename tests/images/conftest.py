@@ -10,7 +10,7 @@ from typing import NamedTuple
 import pytest
 
 from tests.support import imagefile
-from tests.support.containers import docker
+from tests.support.containers import engine
 from tests.support.polling import until
 from tests.support.ports import free_port, listening
 from tests.support.programs import ROOT, Program
@@ -71,10 +71,9 @@ def version() -> str:
 @pytest.fixture(scope="module")
 def network(version: str) -> Iterator[str]:
     """A bridge network of its own, without a way out."""
-    name = f"laserbot-test-{os.getpid()}"
-    docker("network", "create", "--internal", name)
-    yield name
-    docker("network", "rm", name)
+    made = engine().networks.create(f"laserbot-test-{os.getpid()}", internal=True)
+    yield str(made.name)
+    made.remove()
 
 
 class Registry(NamedTuple):

@@ -1,6 +1,5 @@
 """The same sources give the same images, wherever and whenever they are built."""
 
-import json
 import os
 import shutil
 import subprocess
@@ -10,17 +9,25 @@ from pathlib import Path
 import pytest
 
 from tests.images.conftest import build
-from tests.support.containers import docker, run
+from tests.support.containers import engine, run
 from tests.support.imagefile import IMAGES, platforms
 from tests.support.programs import ROOT
 
 pytestmark = pytest.mark.slow
 
 
+def image_id(name: str) -> str:
+    return str(engine().images.get(name).id)
+
+
+def forget(tag: str) -> None:
+    for image in IMAGES:
+        engine().images.remove(f"{image}:{tag}")
+
+
 def test_the_same_sources_give_the_same_images(version: str, figures: list[str]) -> None:
-    def digests() -> str:
-        names = [f"{name}:{version}" for name in IMAGES]
-        return docker("image", "inspect", "--format", "{{.RepoTags}} {{.Id}}", *names)
+    def digests() -> list[str]:
+        return [image_id(f"{name}:{version}") for name in IMAGES]
 
     before = digests()
     took = build(NO_CACHE="1")
@@ -54,21 +61,20 @@ def checkout(tmp_path: Path) -> Path:
 
 
 def test_another_checkout_of_the_same_sources_gives_the_same_images(version: str, checkout: Path) -> None:
-    labels = json.loads(docker("image", "inspect", "--format", "{{json .Config.Labels}}", f"webserver:{version}"))
+    labels = engine().images.get(f"webserver:{version}").labels
     said = {name: labels[f"org.opencontainers.image.{name.lower()}"] for name in ("VERSION", "REVISION", "SOURCE")}
     date = run(f"webserver:{version}", "linux/amd64", "cat", "date").strip()
     bake(checkout, "copy", SOURCE_DATE_EPOCH=date, **said)
     for image in IMAGES:
-        ids = docker("image", "inspect", "--format", "{{.Id}}", f"{image}:{version}", f"{image}:copy").split()
-        assert ids[0] == ids[1], image
-    docker("image", "rm", *(f"{image}:copy" for image in IMAGES))
+        assert image_id(f"{image}:{version}") == image_id(f"{image}:copy"), image
+    forget("copy")
 
 
 def test_the_date_of_the_files_is_that_of_this_build_whatever_was_built_before(version: str, checkout: Path) -> None:
     """It is part of the digest, and of what a browser compares when it asks for a file again."""
     bake(checkout, "dated", VERSION=version, SOURCE_DATE_EPOCH="1700000000")
     assert run("webserver:dated", "linux/amd64", "stat", "-c", "%Y", "server/web/app.py").strip() == "1700000000"
-    docker("image", "rm", *(f"{image}:dated" for image in IMAGES))
+    forget("dated")
 
 
 def test_one_changed_file_is_in_all_platforms_of_the_next_build(
@@ -81,4 +87,4 @@ def test_one_changed_file_is_in_all_platforms_of_the_next_build(
     figures.append(f"build after one changed file: {took:.1f} s (budget 20 s)")
     for platform in platforms("webserver"):
         assert "# changed" in run("webserver:changed", platform, "tail", "-n", "1", "server/web/app.py")
-    docker("image", "rm", *(f"{image}:changed" for image in IMAGES))
+    forget("changed")

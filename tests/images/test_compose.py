@@ -1,7 +1,6 @@
 """The demo of compose.yaml: a whole battle in containers, one robot on arm/v7, and each container killed in turn."""
 
 import contextlib
-import json
 from collections.abc import Iterator
 
 import pytest
@@ -9,7 +8,7 @@ import requests
 from websockets.exceptions import WebSocketException
 
 from tests.support.compose import ComposeBattle
-from tests.support.containers import docker
+from tests.support.containers import engine
 from tests.support.play import PLAYING, STOPPED, obeys, reconnect, shoot_to_the_end, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
@@ -73,7 +72,7 @@ def test_a_battle_is_played_to_its_end(battle: ComposeBattle, players: tuple[Pla
 def test_no_container_has_more_rights_than_it_needs(battle: ComposeBattle) -> None:
     assert len(battle.services) == 9
     for service in battle.services:
-        host = json.loads(docker("inspect", "--format", "{{json .HostConfig}}", battle.container(service)))
+        host = engine().containers.get(battle.container(service)).attrs["HostConfig"]
         assert host["ReadonlyRootfs"], service
         assert host["CapDrop"] == ["ALL"], service
         assert not host["CapAdd"], service

@@ -17,7 +17,7 @@ import requests
 import yaml
 
 from tests.support import avr
-from tests.support.containers import docker
+from tests.support.containers import engine, execute, remove
 from tests.support.play import shoot_to_the_end, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
@@ -35,14 +35,13 @@ class Machine:
     """Runs `docker compose up` for profiles, words, with these settings; a context manager that ends it."""
 
     def __init__(self, name: str, network: str, profiles: str, folder: Path, version: str, **settings: str) -> None:
-        self._holder = docker(
-            "run", "--detach", f"--hostname={name}", f"--network={network}", f"webserver:{version}", "sleep", "infinity"
-        ).strip()
-        self.address = docker(
-            "inspect", "--format", "{{range .NetworkSettings.Networks}}{{.IPAddress}}{{end}}", self._holder
-        ).strip()
+        self._holder = engine().containers.run(
+            f"webserver:{version}", ["sleep", "infinity"], detach=True, hostname=name, network=network
+        )
+        self._holder.reload()
+        self.address = str(self._holder.attrs["NetworkSettings"]["Networks"][network]["IPAddress"])
         hosts = {
-            service: {"network_mode": f"container:{self._holder}"}
+            service: {"network_mode": f"container:{self._holder.id}"}
             for service, description in SERVICES.items()
             if description["profiles"][0] in profiles.split()
         }
@@ -75,7 +74,7 @@ class Machine:
     def read(self, url: str) -> Any:
         """The JSON that a program on this machine gives only to those on it."""
         ask = f"from urllib.request import urlopen; print(urlopen('{url}', timeout=10).read().decode())"
-        return json.loads(docker("exec", self._holder, "python3", "-c", ask))
+        return json.loads(execute(self._holder, "python3", "-c", ask))
 
     def __enter__(self) -> Self:
         try:
@@ -87,7 +86,7 @@ class Machine:
 
     def __exit__(self, *_: object) -> None:
         self.compose("down", "--volumes", "--timeout", "5")
-        docker("rm", "--force", "--volumes", self._holder)
+        remove([self._holder])
 
 
 class Battle:
@@ -102,10 +101,9 @@ class Battle:
 @pytest.fixture
 def network(version: str) -> Iterator[str]:
     """One that passes multicast, as an engine's internal network does not."""
-    name = f"laserbot-lan-{os.getpid()}"
-    docker("network", "create", name)
-    yield name
-    docker("network", "rm", name)
+    made = engine().networks.create(f"laserbot-lan-{os.getpid()}")
+    yield str(made.name)
+    made.remove()
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import pytest
 
 from tests.images.conftest import EVERY
-from tests.support.containers import Container, docker
+from tests.support.containers import Container, engine
 from tests.support.imagefile import IMAGES, dockerfile
 from tests.support.polling import until
 from tests.support.programs import ROOT
@@ -58,9 +58,9 @@ def ros_master(version: str, network: str) -> Iterator[str]:
 def started(request: pytest.FixtureRequest, version: str, network: str, ros_master: str) -> Iterator[Started]:
     image, platform = request.param
     environment = {"ROS_MASTER_URI": ros_master, "LASERBOT_SERIAL": "/nowhere"}
-    data = ["--volume=/var/lib/laserbot"]  # without which Prometheus does not begin
+    data = ["/var/lib/laserbot"]  # without which Prometheus does not begin
     with Container(
-        f"{image}:{version}", platform, network=network, name="program", env=environment, options=data
+        f"{image}:{version}", platform, network=network, name="program", env=environment, volumes=data
     ) as container:
         yield Started(image, platform, container)
 
@@ -141,7 +141,7 @@ def test_each_image_has_a_list_of_its_contents(version: str, built: tuple[str, s
 
 @pytest.mark.parametrize("image", IMAGES)
 def test_the_image_says_what_it_is_and_how_it_runs(version: str, image: str) -> None:
-    config = json.loads(docker("image", "inspect", "--format", "{{json .Config}}", f"{image}:{version}"))
+    config = engine().images.get(f"{image}:{version}").attrs["Config"]
     assert config["StopSignal"] == "SIGINT"
     assert not config.get("Entrypoint")
     assert not config.get("Volumes")  # which would be left behind by every service that does not use it

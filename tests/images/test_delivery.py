@@ -7,11 +7,12 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
+import docker
 import pytest
 import requests
 
 from tests.images.conftest import Registry, build
-from tests.support.containers import docker
+from tests.support.containers import PATIENCE, engine
 from tests.support.imagefile import IMAGES, platforms
 from tests.support.programs import ROOT, Program
 
@@ -34,10 +35,9 @@ def test_a_registry_gets_every_platform_under_one_name(version: str, registry: R
     for image in IMAGES:
         api = f"http://{registry.place}/v2/{image}/manifests"
         answer = requests.get(f"{api}/{version}", headers={"Accept": INDEX}, timeout=10)
-        assert (
-            answer.headers["Docker-Content-Digest"]
-            == docker("image", "inspect", "--format", "{{.Id}}", f"{image}:{version}").strip()
-        ), "what is pushed is what was built"
+        assert answer.headers["Docker-Content-Digest"] == engine().images.get(f"{image}:{version}").id, (
+            "what is pushed is what was built"
+        )
         manifests = {platform_name(entry["platform"]): entry["digest"] for entry in answer.json()["manifests"]}
         assert sorted(manifests) == sorted(platforms(image))
         for platform, digest in manifests.items():
@@ -46,7 +46,7 @@ def test_a_registry_gets_every_platform_under_one_name(version: str, registry: R
             budget = BUDGET.get((image, platform))
             figures.append(f"{image} {platform}: {size:.1f} MB compressed{f' (budget {budget})' if budget else ''}")
             assert not budget or size <= budget
-    local = docker("image", "ls", "--format", "{{.Repository}}").split()
+    local = [tag.rpartition(":")[0] for image in engine().images.list() for tag in image.tags]
     assert not [name for name in local if registry.place in name], "the engine keeps no second name"
 
 
@@ -84,13 +84,20 @@ class SecondEngine:
         self.program = Program(["unshare", "--mount", "--net", "dockerd", *words])
         self._mirror = mirror
 
-    def docker(self, *words: str) -> str:
-        result = subprocess.run(["docker", "--host", self.host, *words], capture_output=True, text=True, check=False)
-        assert result.returncode == 0, result.stderr
-        return result.stdout
+    def load(self, archive: Path) -> None:
+        with archive.open("rb") as file:
+            self.client.images.load(file)
+
+    def machine(self, image: str, platform: str | None = None) -> str:
+        """What the image says of the machine that it runs on."""
+        ask = ["uname", "-m"]
+        return (
+            self.client.containers.run(image, ask, remove=True, network_mode="none", platform=platform).decode().strip()
+        )
 
     def __enter__(self) -> "SecondEngine":
         self.program.wait_for("API listen", 30)
+        self.client = docker.DockerClient(self.host, timeout=PATIENCE)
         if self._mirror:
             inside = ["nsenter", f"--target={self.program.process.pid}", "--net"]
             subprocess.run([*inside, "ip", "link", "set", "lo", "up"], check=True)
@@ -98,6 +105,7 @@ class SecondEngine:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.client.close()
         if self._mirror:
             self._mirror_here.stop()
         self.program.stop(seconds=30)
@@ -113,12 +121,11 @@ needs_own_engine = pytest.mark.skipif(
 def test_an_archive_carries_every_platform(version: str, folder: Path) -> None:
     archive = folder / "laserbot.tar"
     build(ARCHIVE=str(archive))
-    with SecondEngine(folder, store=True) as engine:
-        engine.docker("load", "--input", str(archive))
+    with SecondEngine(folder, store=True) as second:
+        second.load(archive)
         for image in IMAGES:
             for platform in platforms(image):
-                words = ["--rm", "--network=none", f"--platform={platform}", f"{image}:{version}"]
-                assert engine.docker("run", *words, "uname", "-m").strip() == MACHINES[platform]
+                assert second.machine(f"{image}:{version}", platform) == MACHINES[platform]
 
 
 @needs_own_engine
@@ -128,23 +135,23 @@ def test_an_archive_for_one_platform_loads_on_an_engine_of_the_older_kind(versio
         build("rosberry", PLATFORM="linux/arm/v7", ARCHIVE=str(archive))
     finally:
         build("rosberry")  # for all platforms again
-    with SecondEngine(folder, store=False) as engine:
-        engine.docker("load", "--input", str(archive))
-        assert engine.docker("run", "--rm", "--network=none", f"rosberry:{version}", "uname", "-m").strip() == "armv7l"
+    with SecondEngine(folder, store=False) as second:
+        second.load(archive)
+        assert second.machine(f"rosberry:{version}") == "armv7l"
 
 
 @needs_own_engine
 def test_the_base_is_pulled_where_a_registry_can_be_reached(version: str, registry: Registry, folder: Path) -> None:
     """The registry offers what the first engine has as base, under the name that Debian's own image has."""
-    base = docker("image", "ls", "--format", "{{.Repository}}:{{.Tag}}", "localhost/laserbot/base").strip()
-    offered = f"{registry.place}/library/debian:trixie-slim"
-    docker("tag", base, offered)
-    docker("push", offered)
-    docker("image", "rm", offered)
-    with SecondEngine(folder, store=True, mirror=registry) as engine:
-        environment = {**os.environ, "DOCKER_HOST": engine.host}
+    (own,) = engine().images.list("localhost/laserbot/base")
+    (base,) = own.tags
+    offered = f"{registry.place}/library/debian"
+    own.tag(offered, "trixie-slim")
+    for line in engine().images.push(offered, "trixie-slim", stream=True, decode=True):
+        assert "error" not in line, line
+    engine().images.remove(f"{offered}:trixie-slim")
+    with SecondEngine(folder, store=True, mirror=registry) as second:
+        environment = {**os.environ, "DOCKER_HOST": second.host}
         made = subprocess.run([ROOT / "ci/base"], env=environment, capture_output=True, text=True, check=False)
         assert (made.returncode, made.stdout.strip(), made.stderr) == (0, base, "")
-        assert engine.docker("image", "inspect", "--format", "{{.Id}}", base) == docker(
-            "image", "inspect", "--format", "{{.Id}}", base
-        )
+        assert second.client.images.get(base).id == own.id

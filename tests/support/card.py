@@ -4,7 +4,8 @@ import re
 from collections.abc import Callable
 
 from fleet import Machine
-from tests.support.rehearsal import docker, outside
+from tests.support.containers import engine
+from tests.support.rehearsal import outside
 
 # What is different on each host, or is left by Debian's packages when they are purged: backups.
 OWN = re.compile(
@@ -14,8 +15,12 @@ OWN = re.compile(
 
 def card_of(machine: Machine) -> Callable[[str], str]:
     """Runs commands on a system as it comes from the imager; the machine's own was one."""
-    image = docker("inspect", "--format={{.Config.Image}}", outside(machine)).strip()
-    return lambda command: docker("run", "--rm", "--entrypoint=sh", image, "-c", command)
+    image = outside(machine).attrs["Config"]["Image"]
+
+    def run(command: str) -> str:
+        return engine().containers.run(image, ["-c", command], entrypoint="sh", remove=True).decode()
+
+    return run
 
 
 def settings(run: Callable[[str], str]) -> dict[str, str]:

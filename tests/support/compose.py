@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Self
 
-from tests.support.containers import docker, emulation
+from tests.support.containers import emulation, engine
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT
@@ -59,15 +59,17 @@ class ComposeBattle:
 
     def crash(self, service: str) -> None:
         """Kill the main process as an operator cannot: Docker takes `docker kill` for a wish to have it stopped."""
-        container = self.container(service)
-        before = docker("inspect", "--format", "{{.State.Pid}}", container).strip()
-        image = docker("inspect", "--format", "{{.Image}}", self.container("arena")).strip()
-        docker("run", "--rm", "--pid=host", "--user=0", "--network=none", image, "sh", "-c", f"kill -KILL {before}")
-        until(
-            lambda: docker("inspect", "--format", "{{.State.Pid}}", container).strip() not in {before, "0"},
-            20,
-            f"{service} is started again",
-        )
+        container = engine().containers.get(self.container(service))
+        before = container.attrs["State"]["Pid"]
+        image = engine().containers.get(self.container("arena")).attrs["Image"]
+        kill = ["sh", "-c", f"kill -KILL {before}"]
+        engine().containers.run(image, kill, remove=True, pid_mode="host", user="0", network_mode="none")
+
+        def is_back() -> bool:
+            container.reload()
+            return container.attrs["State"]["Pid"] not in {before, 0}
+
+        until(is_back, 20, f"{service} is started again")
 
     def wait_until_healthy(self, seconds: float = 60.0) -> None:
         def unhealthy() -> list[str]:

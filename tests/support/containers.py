@@ -1,31 +1,34 @@
 """Containers of our images, started as hardened as they are meant to run."""
 
-import json
-import subprocess
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
+from functools import cache
 from typing import Any
+
+import docker
+from docker.models import containers
+from docker.types import Mount
 
 from tests.support.polling import until
 
-HARDENED = [
-    "--read-only",
-    "--cap-drop=ALL",
-    "--security-opt=no-new-privileges",
-    "--tmpfs=/run/laserbot:uid=10001,mode=0700",
-]
+HARDENED: dict[str, Any] = {
+    "read_only": True,
+    "cap_drop": ["ALL"],
+    "security_opt": ["no-new-privileges"],
+    "tmpfs": {"/run/laserbot": "uid=10001,mode=0700"},
+}
 
 # The cores of a Raspberry Pi 4 and 2. qemu's own choice can more than these, and takes 15 s to compute the pointer
 # authentication of Python's start.
 EMULATED_CPU = {"linux/arm64": "cortex-a72", "linux/arm/v7": "cortex-a7"}
+PATIENCE = 180  # s for an answer of the engine
 
 
-def docker(*arguments: str) -> str:
-    """What `docker` prints; AssertionError with its complaint if it fails."""
-    result = subprocess.run(["docker", *arguments], capture_output=True, text=True, check=False)
-    assert result.returncode == 0, f"docker {' '.join(arguments)}: {result.stdout}{result.stderr}"
-    return result.stdout
+@cache
+def engine() -> docker.DockerClient:
+    """The engine of DOCKER_HOST, else this machine's own."""
+    return docker.from_env(timeout=PATIENCE)
 
 
 def emulation(platform: str) -> dict[str, str]:
@@ -34,9 +37,31 @@ def emulation(platform: str) -> dict[str, str]:
 
 
 def run(image: str, platform: str, *command: str) -> str:
-    """What a hardened container without a network prints."""
-    variables = [f"--env={name}={value}" for name, value in emulation(platform).items()]
-    return docker("run", "--rm", f"--platform={platform}", "--network=none", *variables, *HARDENED, image, *command)
+    """What a hardened container without a network prints; ContainerError if it fails."""
+    output: bytes = engine().containers.run(
+        image,
+        list(command),
+        remove=True,
+        platform=platform,
+        network_mode="none",
+        environment=emulation(platform),
+        **HARDENED,
+    )
+    return output.decode()
+
+
+def execute(container: containers.Container, *command: str) -> str:
+    """What a command inside prints; AssertionError with its complaint if it fails."""
+    result: Any = container.exec_run(list(command), demux=True)  # the stubs know of no demultiplexed output
+    output, complaint = (text.decode() if text else "" for text in result.output)
+    assert result.exit_code == 0, f"{command}: {output}{complaint}"
+    return output
+
+
+def remove(which: Iterable[containers.Container]) -> None:
+    """With their anonymous volumes."""
+    for container in which:
+        container.remove(force=True, v=True)
 
 
 class Container:
@@ -50,37 +75,55 @@ class Container:
         network: str = "none",
         name: str = "",
         env: Mapping[str, str] | None = None,
-        options: Sequence[str] = (),
+        volumes: Iterable[str] = (),
     ) -> None:
-        flags = [f"--platform={platform}", f"--network={network}", *HARDENED, *options]
-        flags += [f"--env={key}={value}" for key, value in {**emulation(platform), **(env or {})}.items()]
-        flags += [f"--network-alias={name}"] if name else []
+        """`name` is its own in the network, `volumes` are paths inside."""
+        options: dict[str, Any] = {"network_mode": network}
+        if name:
+            options = {
+                "network": network,
+                "networking_config": {network: engine().api.create_endpoint_config(aliases=[name])},
+            }
         self._created = time.monotonic()
-        self.id = docker("run", "--detach", *flags, image, *command).strip()
+        self._container = engine().containers.run(
+            image,
+            list(command) or None,
+            detach=True,
+            platform=platform,
+            environment={**emulation(platform), **(env or {})},
+            mounts=[Mount(path, None, type="volume") for path in volumes],
+            **options,
+            **HARDENED,
+        )
 
     def __enter__(self) -> "Container":
         return self
 
     def __exit__(self, *_: object) -> None:
-        docker("rm", "--force", "--volumes", self.id)
+        remove([self._container])
+
+    @property
+    def id(self) -> str:
+        return str(self._container.id)
 
     @property
     def state(self) -> dict[str, Any]:
-        return dict(json.loads(docker("inspect", "--format", "{{json .State}}", self.id)))
+        self._container.reload()
+        return dict(self._container.attrs["State"])
 
     @property
     def logs(self) -> str:
-        result = subprocess.run(["docker", "logs", self.id], capture_output=True, text=True, check=True)
-        return result.stdout + result.stderr
+        output: bytes = self._container.logs()
+        return output.decode(errors="replace")
 
     def run(self, *command: str) -> str:
         """What a command inside prints."""
-        return docker("exec", self.id, *command)
+        return execute(self._container, *command)
 
     def stop(self) -> float:
         """As an operator would: by the image's stop signal; s until the end of a program that ends well."""
         began = datetime.now(UTC)
-        docker("stop", "--time", "10", self.id)
+        self._container.stop(timeout=10)
         assert self.state["ExitCode"] in {0, 130}, f"{self.state}\n{self.logs}"
         return (datetime.fromisoformat(str(self.state["FinishedAt"])) - began).total_seconds()
 

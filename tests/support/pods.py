@@ -6,19 +6,21 @@ address is one of its pod's, and of the next pod in its place: every Service's p
 """
 
 import http.client
-import json
 import os
 import re
 import shutil
-import subprocess
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from ipaddress import ip_network
 from itertools import islice
 from pathlib import Path
-from typing import Self
+from typing import Any, Self
 
-from tests.support.containers import docker
+from docker.models import containers
+from docker.types import IPAMConfig, IPAMPool
+
+from tests.support.containers import engine, execute, remove
 from tests.support.manifests import Kubelet, Manifests, Object
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -47,21 +49,24 @@ class Pod:
         self._folder, self._devices = folder, devices or {}
         resolver = folder / "resolv.conf"
         resolver.write_text("nameserver 192.0.2.1\n")  # of the addresses for documentation: nobody answers
-        self._sandbox = docker(
-            "run", "--detach", f"--hostname={name}", *self._rights({"securityContext": {}}),
-            f"--volume={resolver}:/etc/resolv.conf:ro",
-            *[f"--publish=127.0.0.1:{local}:{inside}" for local, inside in (publish or {}).items()],
-            self.spec["containers"][0]["image"], "sleep", "infinity",
-        ).strip()  # fmt: skip
-        self._resolver = resolver
-        self.address = docker(
-            "inspect", "--format", "{{range .NetworkSettings.Networks}}{{.IPAddress}}{{end}}", self._sandbox
-        ).strip()
-        self.containers: dict[str, str] = {}
+        self._resolver = f"{resolver}:/etc/resolv.conf:ro"
+        self._sandbox = engine().containers.run(
+            self.spec["containers"][0]["image"],
+            ["sleep", "infinity"],
+            detach=True,
+            hostname=name,
+            volumes=[self._resolver],
+            ports={f"{inside}/tcp": ("127.0.0.1", local) for local, inside in (publish or {}).items()},
+            **self._rights({"securityContext": {}}),
+        )
+        self._sandbox.reload()
+        (own,) = self._sandbox.attrs["NetworkSettings"]["Networks"].values()
+        self.address = str(own["IPAddress"])
+        self.containers: dict[str, containers.Container] = {}
 
     def join(self, network: str, address: str | None) -> None:
         """Be in a further network, too."""
-        docker("network", "connect", *([f"--ip={address}"] if address else []), network, self._sandbox)
+        engine().networks.get(network).connect(self._sandbox, ipv4_address=address)
 
     def start(self, manifests: Manifests, addresses: Mapping[str, str]) -> None:
         """Start all containers; `manifests` are the namespace's, `addresses` the Services' by name."""
@@ -71,49 +76,57 @@ class Pod:
     def start_container(self, name: str, manifests: Manifests, addresses: Mapping[str, str]) -> None:
         """Start one container, or again with what its environment is now."""
         if name in self.containers:
-            docker("rm", "--force", "--volumes", self.containers[name])
+            remove([self.containers[name]])
         container = self.of(name)
         fields = {"metadata.name": self.name, "status.podIP": self.address, "status.hostIP": self.address}
         kubelet = Kubelet(manifests, self.spec, fields | {"spec.nodeName": self.name}, addresses)
         limits = container["resources"]["limits"]
         command = kubelet.command(container)
-        self.containers[name] = docker(
-            "run", "--detach", f"--network=container:{self._sandbox}",
-            *self._rights(container), *self._mounts(container),
-            f"--volume={self._resolver}:/etc/resolv.conf:ro",
-            f"--memory={limits['memory'].removesuffix('i').lower()}", f"--cpus={limits['cpu']}",
-            *[f"--env={key}={value}" for key, value in kubelet.environment(container).items()],
-            f"--entrypoint={command[0]}", container["image"], *command[1:],
-        ).strip()  # fmt: skip
+        volumes, tmpfs = self._mounts(container)
+        self.containers[name] = engine().containers.run(
+            container["image"],
+            command[1:],
+            entrypoint=command[0],
+            detach=True,
+            network_mode=f"container:{self._sandbox.id}",
+            volumes=[*volumes, self._resolver],
+            tmpfs=tmpfs,
+            mem_limit=limits["memory"].removesuffix("i").lower(),
+            nano_cpus=int(float(limits["cpu"]) * 1e9),
+            environment=kubelet.environment(container),
+            **self._rights(container),
+        )
 
     def of(self, name: str) -> Object:
         (container,) = [each for each in self.spec["containers"] if each["name"] == name]
         return dict(container)
 
-    def _rights(self, container: Object) -> list[str]:
+    def _rights(self, container: Object) -> dict[str, Any]:
         pod, own = self.spec["securityContext"], container["securityContext"]
-        groups = [pod["fsGroup"], *pod.get("supplementalGroups", [])]
-        flags = [f"--user={pod['runAsUser']}:{pod['runAsGroup']}", *[f"--group-add={group}" for group in groups]]
-        flags += ["--privileged"] if own.get("privileged") else []
-        flags += ["--read-only"] if own.get("readOnlyRootFilesystem") else []
-        flags += [f"--cap-drop={each}" for each in own.get("capabilities", {}).get("drop", [])]
-        flags += ["--security-opt=no-new-privileges"] if own.get("allowPrivilegeEscalation") is False else []
-        return flags
+        return {
+            "user": f"{pod['runAsUser']}:{pod['runAsGroup']}",
+            "group_add": [pod["fsGroup"], *pod.get("supplementalGroups", [])],
+            "privileged": own.get("privileged", False),
+            "read_only": own.get("readOnlyRootFilesystem", False),
+            "cap_drop": own.get("capabilities", {}).get("drop", []),
+            "security_opt": ["no-new-privileges"] if own.get("allowPrivilegeEscalation") is False else [],
+        }
 
-    def _mounts(self, container: Object) -> list[str]:
-        """Who may write to an emptyDir is its user: runc before 1.2 gives it the mode of the image's folder."""
+    def _mounts(self, container: Object) -> tuple[list[str], dict[str, str]]:
+        """The volumes, and the options of the emptyDirs by path. An emptyDir's user may write to it: runc before 1.2
+        gives it the mode of the image's folder."""
         volumes, rights = {volume["name"]: volume for volume in self.spec["volumes"]}, self.spec["securityContext"]
-        flags = []
+        bound, empty = [f"{device}:{path}" for path, device in self._devices.items()], {}
         for mount in container["volumeMounts"]:
             volume = volumes[mount["name"]]
             if "emptyDir" in volume:
                 size = re.sub("i$", "", volume["emptyDir"]["sizeLimit"]).lower()
                 options = f"uid={rights['runAsUser']},gid={rights['fsGroup']},mode=2777,size={size}"
-                flags.append(f"--tmpfs={mount['mountPath']}:{options}")
+                empty[mount["mountPath"]] = options
             else:
                 read_only = ":ro" if mount.get("readOnly") else ""
-                flags.append(f"--volume={self._host_path(volume)}:{mount['mountPath']}{read_only}")
-        return flags + [f"--volume={device}:{path}" for path, device in self._devices.items()]
+                bound.append(f"{self._host_path(volume)}:{mount['mountPath']}{read_only}")
+        return bound, empty
 
     def _host_path(self, volume: Object) -> Path:
         """Instead of the host's own folder, or of a claim's or a Secret's, one of this test's."""
@@ -138,8 +151,7 @@ class Pod:
         container = self.of(name)
         how = container[probe]
         if "exec" in how:
-            words = ["docker", "exec", self.containers[name], *how["exec"]["command"]]
-            return subprocess.run(words, capture_output=True, timeout=60, check=False).returncode == 0
+            return bool(self.containers[name].exec_run(how["exec"]["command"]).exit_code == 0)
         place = how.get("httpGet") or how["tcpSocket"]
         (port,) = [each["containerPort"] for each in container["ports"] if each["name"] == place["port"]]
         connection = http.client.HTTPConnection(self.address, port, timeout=how["timeoutSeconds"])
@@ -164,29 +176,30 @@ class Pod:
                 raise AssertionError(f"{error}\n{self.logs(name)}") from None
 
     def state(self, name: str) -> Object:
-        return dict(json.loads(docker("inspect", "--format", "{{json .State}}", self.containers[name])))
+        self.containers[name].reload()
+        return dict(self.containers[name].attrs["State"])
 
     def has_ended(self, name: str) -> bool:
         return not self.state(name)["Running"]
 
     def logs(self, name: str) -> str:
-        words = ["docker", "logs", self.containers[name]]
-        return subprocess.run(words, capture_output=True, text=True, check=True, errors="replace").stdout + (
-            subprocess.run(words, stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True, check=True).stderr
-        )
+        output: bytes = self.containers[name].logs()
+        return output.decode(errors="replace")
 
     def exec(self, name: str, *command: str) -> str:
-        return docker("exec", self.containers[name], *command)
+        return execute(self.containers[name], *command)
 
     def kill(self, name: str) -> None:
-        docker("kill", self.containers[name])
+        self.containers[name].kill()
 
     def stop(self) -> None:
         """As a kubelet ends a pod: by each image's own signal, and after the time of grace by force."""
-        docker("stop", f"--time={self.spec['terminationGracePeriodSeconds']}", *self.containers.values())
+        with ThreadPoolExecutor() as together:
+            grace = self.spec["terminationGracePeriodSeconds"]
+            list(together.map(lambda container: container.stop(timeout=grace), self.containers.values()))
 
     def remove(self) -> None:
-        docker("rm", "--force", "--volumes", *self.containers.values(), self._sandbox)
+        remove([*self.containers.values(), self._sandbox])
 
 
 class ClusterBattle:
@@ -216,8 +229,9 @@ class ClusterBattle:
         self._address_of = {target: str(next(hosts)) for target in sorted(set(self._targets.values()))}
 
     def __enter__(self) -> Self:
-        name = f"laserbot-services-{os.getpid()}"
-        self._network = docker("network", "create", "--internal", f"--subnet={SERVICES}", name).strip()
+        self._network = engine().networks.create(
+            f"laserbot-services-{os.getpid()}", internal=True, ipam=IPAMConfig(pool_configs=[IPAMPool(subnet=SERVICES)])
+        )
         try:
             for workload in self.manifests.workloads:
                 name = workload["metadata"]["name"]
@@ -238,12 +252,12 @@ class ClusterBattle:
         }
         publish = {self.node_ports[each]: ports[each] for each in ports if each in self.node_ports}
         self.pods[name] = Pod(workload, name, self.folder / name, publish)
-        self.pods[name].join(self._network, self._address_of.get(workload["metadata"]["name"]))
+        self.pods[name].join(str(self._network.id), self._address_of.get(workload["metadata"]["name"]))
 
     def __exit__(self, *_: object) -> None:
         for pod in self.pods.values():
             pod.remove()
-        docker("network", "rm", self._network)
+        self._network.remove()
 
     @property
     def addresses(self) -> dict[str, str]:

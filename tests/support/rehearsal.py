@@ -1,17 +1,20 @@
 """The rehearsed fleet (ci/fleet-hosts): what a person with hands does to its hosts, and their arena."""
 
 import contextlib
-import json
 import os
-import subprocess
+import tarfile
 import time
 from collections.abc import Iterator, Mapping
+from io import BytesIO
+from pathlib import Path
 from typing import Self
 
 import requests
 import yaml
+from docker.models import containers
 
 from fleet import Fleet, Machine
+from tests.support.containers import engine, execute
 from tests.support.local_play import recap
 from tests.support.polling import until
 from tests.support.programs import ROOT, Program
@@ -21,13 +24,6 @@ INVENTORY = FOLDER / "inventory" / "hosts.yml"
 SSH = f"-i {FOLDER / 'key'} -o UserKnownHostsFile={FOLDER / 'known_hosts'}"
 ARENA = "10.217.0.2"
 PLAIN = {"ANSIBLE_STRATEGY": "linear", "ANSIBLE_TIMEOUT": "10"}  # Ansible's own
-
-
-def docker(*arguments: str, check: bool = True) -> str:
-    """What `docker` of the machine that rehearses prints; AssertionError with its complaint if it fails."""
-    result = subprocess.run(["docker", *arguments], capture_output=True, text=True, check=False)
-    assert not check or result.returncode == 0, f"docker {' '.join(arguments)}: {result.stdout}{result.stderr}"
-    return result.stdout
 
 
 class Rehearsal(Fleet):
@@ -97,18 +93,26 @@ class Playbook(Program):
         return sum(row["changed"] for row in self.recap.values())
 
 
-def outside(machine: Machine) -> str:
-    """The name of the container that plays the host."""
-    return f"laserbot-fleet-{'master' if machine.group == 'master' else machine.name}"
+def outside(machine: Machine) -> containers.Container:
+    """The container that plays the host, in the engine of the machine that rehearses."""
+    name = "master" if machine.group == "master" else machine.name
+    return engine().containers.get(f"laserbot-fleet-{name}")
+
+
+def copy_into(machine: Machine, source: Path, path: str) -> None:
+    with BytesIO() as packed:
+        with tarfile.open(fileobj=packed, mode="w") as archive:
+            archive.add(source, Path(path).name)
+        outside(machine).put_archive(str(Path(path).parent), packed.getvalue())
 
 
 def power_off(machine: Machine) -> None:
     """As if the plug were pulled."""
-    docker("kill", outside(machine))
+    outside(machine).kill()
 
 
 def power_on(machine: Machine) -> None:
-    docker("start", outside(machine))
+    outside(machine).start()
 
 
 @contextlib.contextmanager
@@ -124,14 +128,15 @@ def cut(machine: Machine, share: int = 100) -> Iterator[None]:
         f"add rule inet cut {hook} {side} != lo {some} drop"
         for hook, side, end in (("input", "iifname", "saddr"), ("output", "oifname", "daddr"))
     )
-    docker("exec", outside(machine), "nft", f"add table inet cut; {rules}")
+    execute(outside(machine), "nft", f"add table inet cut; {rules}")
     try:
         yield
     finally:
-        docker("exec", outside(machine), "nft", "delete table inet cut")
+        execute(outside(machine), "nft", "delete table inet cut")
 
 
 def ask_from(network: str, program: str) -> str:
     """What a Python program prints that runs in a place of its own on a network: a player's laptop."""
-    image = json.loads(docker("inspect", "laserbot-fleet-arena"))[0]["Config"]["Image"]
-    return docker("run", "--rm", f"--network={network}", "--entrypoint=python3", image, "-c", program)
+    image = engine().containers.get("laserbot-fleet-arena").attrs["Config"]["Image"]
+    said: bytes = engine().containers.run(image, ["-c", program], entrypoint="python3", remove=True, network=network)
+    return said.decode()

@@ -13,7 +13,7 @@ from fleet import Machine
 from tests.support.play import STOPPED, obeys, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
-from tests.support.rehearsal import Rehearsal, docker, outside
+from tests.support.rehearsal import Rehearsal, copy_into
 
 pytestmark = pytest.mark.slow
 
@@ -36,7 +36,7 @@ def late_clock(tmp_path: Path) -> Path:
 
 def test_a_robots_clock_is_a_year_ahead(rehearsal: Rehearsal, late_clock: Path, measured: Measured) -> None:
     robot = rehearsal.robots[0]
-    docker("cp", str(late_clock), f"{outside(robot)}:{LIBRARY}")
+    copy_into(robot, late_clock, LIBRARY)
     with another_clock(robot, YEAR):
         until(lambda: rehearsal.available() == len(rehearsal.robots) - 1, 10, "the server has noticed")
         measured("")

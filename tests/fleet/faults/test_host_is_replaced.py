@@ -12,11 +12,12 @@ import yaml
 
 from fleet import Machine
 from tests.support.card import card_of, settings
+from tests.support.containers import engine, remove
 from tests.support.play import STOPPED, start
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
-from tests.support.rehearsal import FOLDER, INVENTORY, Playbook, Rehearsal, docker, outside, power_off
+from tests.support.rehearsal import FOLDER, INVENTORY, Playbook, Rehearsal, outside, power_off
 
 pytestmark = pytest.mark.slow
 
@@ -95,8 +96,9 @@ def results(rehearsal: Rehearsal) -> object:
 
 def put_another_in_the_place_of(machine: Machine) -> None:
     """A Raspberry Pi with a fresh card, on which one may log in as root."""
-    docker("rm", "--force", "--volumes", outside(machine))
-    docker("volume", "rm", outside(machine))
+    old = outside(machine)
+    remove([old])
+    engine().volumes.get(str(old.name)).remove()
     # the new one has another SSH key
     subprocess.run(["ssh-keygen", "-q", "-R", machine.address, "-f", str(FOLDER / "known_hosts")], check=True)
     robots = yaml.safe_load(INVENTORY.read_text())["robots"]["hosts"]

@@ -5,10 +5,11 @@ from collections.abc import Callable
 import pytest
 
 from fleet import Machine
+from tests.support.containers import execute
 from tests.support.play import STOPPED, keep_turning, obeys, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
-from tests.support.rehearsal import Rehearsal, cut, docker, outside, power_off, power_on
+from tests.support.rehearsal import Rehearsal, cut, outside, power_off, power_on
 
 pytestmark = pytest.mark.slow
 
@@ -55,7 +56,7 @@ def test_a_robot_goes_down_in_a_battle(
     robot = robot_of(rehearsal, bob)
     try:
         if orderly:
-            docker("exec", outside(robot), "systemctl", "--no-block", "reboot")
+            execute(outside(robot), "systemctl", "--no-block", "reboot")
         else:
             power_off(robot)
         ann.wait_for_game(STOPPED)

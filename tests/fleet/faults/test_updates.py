@@ -3,6 +3,7 @@
 import json
 import shutil
 import signal
+import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,11 +13,12 @@ from xml.etree import ElementTree
 import pytest
 
 from fleet import Machine
+from tests.support.containers import engine
 from tests.support.play import PLAYING, STOPPED, hunt_down, obeys, reconnect, shoot_to_the_end, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
-from tests.support.rehearsal import FOLDER, Playbook, Rehearsal, cut, docker, power_off, power_on
+from tests.support.rehearsal import FOLDER, Playbook, Rehearsal, cut, power_off, power_on
 
 pytestmark = pytest.mark.slow
 
@@ -35,9 +37,12 @@ def archive(tag: str, changed: str, *lines: str) -> Iterator[Path]:
     try:
         (folder / "Dockerfile").write_text("\n".join([f"FROM {changed}:{VERSION}", *lines, ""]))
         options = [f"--platform={PLATFORMS[changed]}", "--provenance=false", f"--tag={changed}:{tag}"]
-        docker("build", *options, str(folder))
-        docker("save", f"--output={folder}/images.tar", f"{changed}:{tag}", f"{other}:{VERSION}")
-        docker("image", "rm", f"{changed}:{tag}")
+        for words in (
+            ["build", *options, str(folder)],
+            ["save", f"--output={folder}/images.tar", f"{changed}:{tag}", f"{other}:{VERSION}"],
+        ):
+            subprocess.run(["docker", *words], check=True, capture_output=True)
+        engine().images.remove(f"{changed}:{tag}")
         yield folder / "images.tar"
     finally:
         shutil.rmtree(folder)
@@ -54,7 +59,7 @@ def better(rehearsal: Rehearsal) -> Iterator[Path]:
 @pytest.fixture(scope="module")
 def broken(rehearsal: Rehearsal) -> Iterator[Path]:
     """A robot's program that is not there, and another firmware: with a byte where there was none."""
-    firmware = docker("run", "--rm", "--entrypoint=cat", f"rosberry:{VERSION}", FIRMWARE)
+    firmware = engine().containers.run(f"rosberry:{VERSION}", [FIRMWARE], entrypoint="cat", remove=True).decode()
     other = ["COPY <<END " + FIRMWARE, ":01700000AAE5", firmware.strip(), "END"]
     with archive("broken", "rosberry", *other, 'CMD ["python3", "-m", "robot.no_such_program"]') as file:
         yield file
