@@ -64,8 +64,8 @@ def test_the_page_has_this_table() -> None:
     section = page("protocol-camera.md").partition("## Who sees what")[2]
     assert [line for line in section.splitlines() if line.startswith("| ")][1:] == [
         "| operators | every camera, always |",
-        "| a player in a countdown or battle | the own robot's only |",
+        "| a player in a countdown or battle | only their own robot's |",
         "| a page at another address than the game's own, before it has shown a ticket | none |",
-        "| everybody else | every camera; with `LASERBOT_HIDE_CAMERAS=1` none but the own while a countdown or battle "
+        "| everybody else | every camera; with `LASERBOT_HIDE_CAMERAS=1`, only their own while a countdown or battle "
         "runs |",
     ]
