@@ -118,6 +118,8 @@ class Container:
 
     def run(self, *command: str) -> str:
         """What a command inside prints."""
+        state = self.state
+        assert state["Running"], f"the container has ended: {state}\n{self.logs}"
         return execute(self._container, *command)
 
     def stop(self) -> float:
