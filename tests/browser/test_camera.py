@@ -131,7 +131,7 @@ def test_a_picture_that_stands_still_is_grey_with_its_age_and_comes_back(ann: Pe
     camera.is_frozen = True
     expect(page.locator("#camera")).to_have_attribute("data-level", "stale")
     expect(page.locator("#camera-age")).to_have_text(re.compile(r"^\d+ s old$"))
-    expect(page.locator("#camera-note")).to_have_text("The camera's picture stands still.")
+    expect(page.locator("#camera-note")).to_have_text("The camera's picture is frozen.")
     expect(page.locator("#camera-note")).to_have_text("The camera does not answer. The page keeps trying.")
     camera.is_frozen = False
     expect(page.locator("#camera")).to_have_attribute("data-level", "fresh")
@@ -148,7 +148,7 @@ def test_a_late_picture_tells_its_age(ann: Person, camera: PictureSource) -> Non
 @pytest.mark.slow
 def test_a_camera_that_is_unplugged_is_told(ann: Person, camera: PictureSource) -> None:
     camera.is_online = False
-    expect(ann.page.locator("#camera-note")).to_have_text("The robot's camera is away: is it plugged in?")
+    expect(ann.page.locator("#camera-note")).to_have_text("The robot's camera is missing: is it plugged in?")
     expect(ann.page.locator("#camera")).to_have_attribute("data-level", "stale")
     camera.is_online = True
     expect(ann.page.locator("#camera-note")).to_be_hidden()
@@ -158,7 +158,7 @@ def test_a_camera_that_is_unplugged_is_told(ann: Person, camera: PictureSource) 
 def test_the_picture_comes_back_after_the_relay(ann: Person, battle: Demo) -> None:
     battle.kill(r"python3 -m server\.camera")
     expect(ann.page.locator("#camera")).to_have_attribute("data-level", "stale")
-    expect(ann.page.locator("#camera-note")).to_have_text("The camera's picture stands still.")
+    expect(ann.page.locator("#camera-note")).to_have_text("The camera's picture is frozen.")
     expect(ann.page.locator("#camera")).to_have_attribute("data-level", "fresh")
 
 

@@ -30,7 +30,7 @@ def test_queue_accept_battle_result_rematch_and_give_away(people: list[Person]) 
     cem.page.locator("#username").fill("Cem")
     cem.page.locator("#username").press("Enter")
     expect(cem.page.locator("#queue-title")).to_have_text("Du bist als Nächstes dran.")
-    expect(ann.page.locator("#waiting")).to_have_text("1 person waits for a robot.")
+    expect(ann.page.locator("#waiting")).to_have_text("1 person is waiting for a robot.")
     expect(bea.page.locator("#seats")).to_contain_text("Ann")
 
     for person in (ann, bea):

@@ -301,7 +301,7 @@ def test_who_is_forgotten_by_a_server_that_was_away_is_told_so(person: Callable[
     ann.page.route("**/updateGameStatus", lambda route: route.abort())
     expect(ann.page.locator("#banner")).to_contain_text("The server does not answer")
     ann.page.unroute("**/updateGameStatus")
-    assert "The game has started anew" in dialog_of(ann.page)
+    assert "The game has restarted" in dialog_of(ann.page)
 
 
 BUSY = "seconds => { const end = Date.now() + 1000 * seconds; while (Date.now() < end) { /* as a slow machine */ } }"

@@ -48,19 +48,18 @@ test("a robot that is silent, or without its serial link, stands out", () => {
   assert.deepEqual(robot({ linked: false }).link, { text: "no link", level: "bad" });
 });
 
-test("players and who waits", () => {
+test("players and those who wait", () => {
   const player = (values) => words.playerText({ life: 70, ready: true, seat_left: 0, page_age: 0.4, ...values });
-  assert.deepEqual(player({}), { life: "70%", ready: "ready", seat: "stays", page: { text: "0 s ago", level: "" } });
+  assert.deepEqual(player({}), { life: "70%", ready: "ready", seat: "keeps it", page: { text: "0 s ago", level: "" } });
   assert.equal(player({ seat_left: 12.3 }).seat, "13 s");
   assert.equal(player({ page_age: 9 }).page.level, "bad");
   assert.equal(player({ page_age: 300 }).page.text, "5 min ago");
   assert.equal(words.waiterText({ offer: null, seconds: 170 }), "about 3 minutes");
-  assert.equal(words.waiterText({ offer: 0, seconds: 17.5 }), "robot 0 is offered for 18 s more");
+  assert.equal(words.waiterText({ offer: 0, seconds: 17.5 }), "robot 0 is on offer for 18 s more");
 });
 
 test("a rule is named, explained and bounded", () => {
-  assert.equal(words.ruleName("battles_in_row"), "Battles in row");
-  assert.equal(words.ruleName("new_rule"), "New rule", "one that is newer than the words");
+  assert.equal(words.ruleName("battles_in_row"), "Battles in a row");
   assert.deepEqual(words.ruleText(rule()), { meaning: "Life (of 100) that a hit takes.", bounds: "From 1 to 100. Default: 10." });
   const flag = rule({ default: false, min: null, max: null, text: "1: all may" });
   assert.deepEqual(words.ruleText(flag), { meaning: "All may.", bounds: "Default: off." });
@@ -102,7 +101,7 @@ test("how a robot is, and what needs a hand first", () => {
     level: "bad",
   });
   assert.deepEqual(words.healthText(health({ board: null, temperature: 0, wifi: 0 })), { text: "fine", level: "" });
-  assert.equal(words.healthText(null), "says nothing");
+  assert.equal(words.healthText(null), "no report");
 });
 
 test("all that a robot says of itself", () => {

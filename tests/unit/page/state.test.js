@@ -7,8 +7,8 @@ import { hit, player, status } from "./samples.js";
 const ready = { ready: true };
 const text = (values, me) => state.gameText(status({ ...values, users: [player("Ann", me), player("Bob", ready)] }), "Ann");
 
-test("who is not ready is asked to press ready", () => {
-  assert.equal(text({}).text, "Press ready to start!");
+test("a player who is not ready is asked to press Ready", () => {
+  assert.equal(text({}).text, "Press Ready to start!");
 });
 
 test("who is ready alone waits for others", () => {
@@ -48,13 +48,13 @@ test("who plays and is refused is told so in place of PLAY!, and why", () => {
 
 test("after the battle its players see that it is over until they are ready again", () => {
   const over = { result: [player("Ann", { place: 1 })], notice: "Battle over: Bob was shot down." };
-  assert.deepEqual(text(over), { text: "Game over. Press ready to start again.", hint: "Battle over: Bob was shot down." });
+  assert.deepEqual(text(over), { text: "Game over. Press Ready to play again.", hint: "Battle over: Bob was shot down." });
   assert.equal(text(over, ready).text, "Waiting for other players...");
 });
 
 test("who has not fought in a battle does not read how it ended", () => {
   const { text: line, hint } = text({ result: [player("Bob")], notice: "Battle over: Bob was shot down." });
-  assert.equal(line, "Press ready to start!");
+  assert.equal(line, "Press Ready to start!");
   assert.doesNotMatch(hint, /Bob/);
 });
 
@@ -196,9 +196,9 @@ test("the connection says what is wrong, the server before the robot", () => {
 
 test("who is not ready while others wait is warned in time", () => {
   const hint = (left) => state.gameText(status({ users: [player("al", { seat_left: left })] }), "al").hint;
-  assert.match(hint(12.3), /in 13 s your robot passes on/);
-  assert.doesNotMatch(hint(55), /passes on/);
-  assert.doesNotMatch(hint(0), /passes on/);
+  assert.match(hint(12.3), /in 13 s one of them gets your robot/);
+  assert.doesNotMatch(hint(55), /gets your robot/);
+  assert.doesNotMatch(hint(0), /gets your robot/);
 });
 
 test("where practice is allowed, one may drive without a battle, but not in a countdown or after death", () => {

@@ -26,13 +26,13 @@ test("without teams, the places stay", () => {
 
 test("a team wins together, and who has lost reads which one and where the own one is", () => {
   assert.deepEqual(outcomeOf(RESULT, "Cy"), { outcome: "win", title: "YOU WIN!", text: "Team Blue wins!" });
-  assert.deepEqual(outcomeOf(RESULT, "Di"), { outcome: "lose", title: "YOU LOST!", text: "Team Blue wins! Your team Red is number 2." });
+  assert.deepEqual(outcomeOf(RESULT, "Di"), { outcome: "lose", title: "YOU LOST!", text: "Team Blue wins! Your team, Red, came in at number 2." });
 });
 
 test("teams that share the first place have a draw", () => {
   const draw = [entry("Ann", 1, 1), entry("Bob", 2, 1), entry("Cy", 3, 3)];
   assert.deepEqual(outcomeOf(draw, "Bob"), { outcome: "draw", title: "DRAW!", text: "A draw: Red and Blue." });
-  assert.equal(outcomeOf(draw, "Cy").text, "A draw: Red and Blue. Your team Green is number 2.");
+  assert.equal(outcomeOf(draw, "Cy").text, "A draw: Red and Blue. Your team, Green, came in at number 2.");
 });
 
 test("a lobby shows the teams in their order, then who leaves it to the referee", () => {

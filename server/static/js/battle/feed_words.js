@@ -31,8 +31,7 @@ function endText(winners, teams) {
   if (teams.length === 1) return t("feed.team_win", { team: teamName(teams[0]) });
   if (teams.length > 1) return t("feed.draw", { names: list(teams.map(teamName)) });
   if (winners.length === 0) return t("feed.over");
-  const names = list(winners);
-  return winners.length === 1 ? t("feed.win", { names }) : t("feed.draw", { names });
+  return winners.length === 1 ? t("feed.win", { name: winners[0] }) : t("feed.draw", { names: list(winners) });
 }
 
 /** Keeps the newest entries in a list of the page. It is silent: what screen readers say is the page's own choice. */
