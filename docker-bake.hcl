@@ -3,7 +3,7 @@ variable "VERSION" { default = "0" }
 variable "REVISION" { default = "" }
 variable "SOURCE" { default = "" }
 variable "SOURCE_DATE_EPOCH" { default = "0" }
-# true: only for the platforms on which make test starts the images
+# true: only for the platforms on which `make test` starts the images
 variable "FEWER_PLATFORMS" { default = false }
 
 group "default" { targets = ["webserver", "rosberry", "sim", "monitoring"] }
@@ -22,7 +22,7 @@ target "image" {
     "org.opencontainers.image.source"   = SOURCE
     "org.opencontainers.image.version"  = VERSION
   }
-  # provenance would record when and where, and so change the digest
+  # provenance would record when and where, and thus change the digest
   attest = ["type=provenance,disabled=true"]
 }
 
