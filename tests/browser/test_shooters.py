@@ -129,7 +129,8 @@ def test_teams_are_chosen_fight_and_win(chromium: Browser, screenshots: Path) ->
                 expect(watch.locator("#feed li").first).to_have_text("Team Red wins!")
             expect(watch.locator("[data-metal=gold]")).to_contain_text("Dora")
             expect(ann.page.locator("dialog[open]")).to_contain_text("YOU WIN!")
-            expect(bob.page.locator("dialog[open]")).to_contain_text("Team Red wins! Your team, Blue, came in at number 2.")
+            told = "Team Red wins! Your team, Blue, came in at number 2."
+            expect(bob.page.locator("dialog[open]")).to_contain_text(told)
             assert violations(bob.page) == []
             watch.close()
             for one in (ann, bob):

@@ -181,31 +181,35 @@ LIGHT = choice(
     "LASERBOT_LIGHT",
     "plain",
     ("plain", "coded"),
-    "what a shot is, light alone or a code that tells whose",
+    "what a shot is: light alone, or a code that says whose",
     "`plain` (demo: `coded`)",
 )
 TEAMS: Variable[int] = Variable(
     "LASERBOT_TEAMS", 0, "teams that fight, 2 to 4; 0: everybody fights alone", _teams, "0", lowest=0, highest=4
 )
-FRIENDLY_FIRE = flag("LASERBOT_FRIENDLY_FIRE", "1: shots of the own team count, too")
+FRIENDLY_FIRE = flag("LASERBOT_FRIENDLY_FIRE", "1: hits from the same team count, too")
 LIGHT_DAMAGE = flag("LASERBOT_LIGHT_DAMAGE", "1: a hit by coded light takes what its code says, not the usual damage")
 HIDE_CAMERAS = flag(
     "LASERBOT_HIDE_CAMERAS", "1: while a battle runs, spectators do not see through the robots' cameras"
 )
 COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
-BATTLE_LIMIT = number("LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then the most life wins")
+BATTLE_LIMIT = number(
+    "LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then whoever has the most life wins"
+)
 PLAYER_TIMEOUT = number(
     "LASERBOT_PLAYER_TIMEOUT", 15, 1, 86400, "seconds without a sign of life until a player is out of a battle"
 )
 SEAT_TIMEOUT = number(
-    "LASERBOT_SEAT_TIMEOUT", 60, 1, 86400, "the same without a battle: a phone that sleeps keeps its robot so long"
+    "LASERBOT_SEAT_TIMEOUT", 60, 1, 86400, "the same without a battle: how long a phone that sleeps keeps its robot"
 )
-IDLE = number("LASERBOT_IDLE", 60, 1, 86400, "seconds without being ready until a robot passes on to people who wait")
-OFFER = number("LASERBOT_OFFER", 20, 1, 3600, "seconds in which who has waited must take the robot")
+IDLE = number(
+    "LASERBOT_IDLE", 60, 1, 86400, "seconds without being ready until a player loses the robot to somebody who waits"
+)
+OFFER = number("LASERBOT_OFFER", 20, 1, 3600, "seconds that somebody who has waited has to take the robot")
 BATTLES_IN_ROW = whole(
-    "LASERBOT_BATTLES_IN_ROW", 3, 0, 1000, "battles until a robot passes on to people who wait; 0: never"
+    "LASERBOT_BATTLES_IN_ROW", 3, 0, 1000, "battles until a player loses the robot to somebody who waits; 0: never"
 )
-SEATS = whole("LASERBOT_SEATS", 0, 0, len(ROBOT_IDS), "robots that players may have at once; 0: all that there are")
+SEATS = whole("LASERBOT_SEATS", 0, 0, len(ROBOT_IDS), "robots that players may have at once; 0: all")
 PRACTICE = flag("LASERBOT_PRACTICE", "1: players may drive while no battle runs")
 DATA: Variable[Path] = Variable(
     "LASERBOT_DATA",
@@ -323,7 +327,7 @@ JOURNAL = words(
 METRICS: Variable[tuple[str, int] | None] = Variable(
     "LASERBOT_METRICS",
     None,
-    "address and port at which the web server tells [how it is](monitoring.md); rosbridge, the cameras' relay and the "
+    "address and port at which the web server [can be watched](monitoring.md); rosbridge, the cameras' relay and the "
     f"arena have the next ports. `127.0.0.1:{METRICS_PORT}`: for programs on this machine only",
     _address,
     f"none (compose: `127.0.0.1:{METRICS_PORT}`)",
@@ -331,7 +335,7 @@ METRICS: Variable[tuple[str, int] | None] = Variable(
 ALERTMANAGER = words(
     "LASERBOT_ALERTMANAGER",
     "",
-    "a file of your own that tells compose's [Alertmanager](monitoring.md) whom to tell, by an absolute path",
+    "a file of your own that says whom compose's [Alertmanager](monitoring.md) notifies, by an absolute path",
 )
 LOG_LEVEL = choice("LASERBOT_LOG_LEVEL", "info", LOG_LEVELS, "how much is logged")
 LOG_FORMAT = choice(
