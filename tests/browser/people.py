@@ -47,16 +47,16 @@ class Person:
         *,
         policy: bool = True,
         locale: str = "en-GB",
-        eyes: bool = False,
+        camera: bool = False,
         arena: bool = False,
     ) -> None:
-        """`policy`: whether the browser heeds the Content-Security-Policy. `eyes`, `arena`: whether the pages show
+        """`policy`: whether the browser heeds the Content-Security-Policy. `camera`, `arena`: whether the pages show
         what the robots' cameras see, and the arena from above; to paint either costs half a processor."""
         self.name, self.battle = name, battle
         self.context: BrowserContext = chromium.new_context(
             viewport={"width": DESKTOP[0], "height": DESKTOP[1]}, bypass_csp=not policy, locale=locale
         )
-        if not eyes:
+        if not camera:
             self.context.add_init_script(WITHOUT_CAMERAS % battle.relay_port)
         if not arena:
             self.context.add_init_script(WITHOUT_ARENA)

@@ -69,7 +69,7 @@ def camera(battle: Demo, source: PictureSource) -> PictureSource:
 @pytest.fixture
 def ann(person: Callable[..., Person], camera: PictureSource) -> Person:
     """She sees through her robot's camera."""
-    ann = person("Ann", eyes=True, arena=True)
+    ann = person("Ann", camera=True, arena=True)
     ann.log_in()
     expect(ann.page.locator("#camera")).to_be_visible()
     return ann
@@ -88,7 +88,7 @@ def wait_for_colour(page: Page, colour: str) -> None:
 
 def test_a_player_sees_what_the_robot_sees(ann: Person, camera: PictureSource) -> None:
     page = ann.page
-    expect(page.locator("#stage")).to_have_attribute("data-view", "eyes")
+    expect(page.locator("#stage")).to_have_attribute("data-view", "camera")
     expect(page.locator("#camera")).to_have_attribute("data-level", "fresh")
     expect(page.locator("#camera-note")).to_be_hidden()
     wait_for_colour(page, GREEN)
@@ -118,12 +118,12 @@ def test_a_key_a_button_and_the_arena_in_the_corner_choose_the_view_which_is_rem
     page.keyboard.press("Enter")
     expect(stage).to_have_attribute("data-view", "arena")
     page.keyboard.press("Enter")
-    expect(stage).to_have_attribute("data-view", "eyes")
+    expect(stage).to_have_attribute("data-view", "camera")
     page.reload()
-    expect(stage).to_have_attribute("data-view", "eyes")
+    expect(stage).to_have_attribute("data-view", "camera")
     page.locator("#how-to").click()
     page.keyboard.press("v")  # belongs to the dialog
-    expect(stage).to_have_attribute("data-view", "eyes")
+    expect(stage).to_have_attribute("data-view", "camera")
 
 
 def test_a_picture_that_stands_still_is_grey_with_its_age_and_comes_back(ann: Person, camera: PictureSource) -> None:
@@ -163,7 +163,7 @@ def test_the_picture_comes_back_after_the_relay(ann: Person, battle: Demo) -> No
 
 
 def test_without_a_camera_the_stage_shows_the_arena(person: Callable[..., Person], battle: Demo) -> None:
-    bea = person("Bea", eyes=True, arena=True)
+    bea = person("Bea", camera=True, arena=True)
     heard: list[str] = []
 
     def is_told() -> bool:
@@ -187,7 +187,7 @@ def test_without_a_camera_the_stage_shows_the_arena(person: Callable[..., Person
 
 
 def test_a_hidden_page_looks_through_no_camera(person: Callable[..., Person], camera: PictureSource) -> None:
-    cem = person("Cem", eyes=True)
+    cem = person("Cem", camera=True)
     wishes: list[object] = []
 
     def note(text: str | bytes) -> None:
@@ -213,7 +213,7 @@ def test_a_hidden_page_looks_through_no_camera(person: Callable[..., Person], ca
 def test_without_the_cookie_the_ticket_tells_whose_camera_it_is(
     person: Callable[..., Person], camera: PictureSource
 ) -> None:
-    eve = person("Eve", policy=False, eyes=True)
+    eve = person("Eve", policy=False, camera=True)
     eve.context.add_init_script(NO_COOKIE)
     eve.log_in()
     expect(eve.page.locator("#camera")).to_be_visible()
@@ -262,7 +262,7 @@ def test_a_spectator_chooses_a_camera_by_the_keyboard_until_a_battle_hides_it(
     page = chromium.new_page(viewport={"width": 1280, "height": 720})
     page.goto(f"{battle.web}/watch")
     with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob:
-        choice = page.locator("#sight")
+        choice = page.locator("#view-choice")
         expect(choice.locator("option")).to_have_text(
             ["the arena", *(f"camera of {one.name} (robot {one.robot})" for one in sorted((ann, bob), key=robot_of))]
         )
@@ -306,7 +306,7 @@ def test_operators_look_through_any_camera_and_see_what_all_of_them_cost(
     expect(desk.locator("#cameras-rate")).to_have_text(re.compile(r"^[1-9][\d.]* of 200$"))
     assert violations(desk) == []
     desk.keyboard.press("Escape")
-    expect(desk.locator("#sight")).to_be_hidden()
+    expect(desk.locator("#camera-panel")).to_be_hidden()
     expect(look).to_be_focused()
     expect(desk.locator("#cameras-rows tr")).to_have_count(0)
     desk.close()
@@ -318,5 +318,5 @@ def test_nobody_is_left_out_by_the_cameras(ann: Person, camera: PictureSource, l
     expect(ann.page.locator("#camera-note")).to_be_visible()
     look.all(ann.page, "stale")
     ann.page.goto(f"{ann.battle.web}/watch#robot{ann.robot}")
-    expect(ann.page.locator("#sight option")).to_have_count(2)
+    expect(ann.page.locator("#view-choice option")).to_have_count(2)
     look.all(ann.page, "watch")

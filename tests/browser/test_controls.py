@@ -345,7 +345,7 @@ def test_a_thumb_on_the_fire_button_is_a_first_touch_too(page: Page, thumbs: Thu
         commanded(page, 0, 0, shoot=True)
         thumbs.lift(1)
         until(lambda: page.evaluate("contexts[0]?.state") == "running", 10, "the audio context runs")
-    page.evaluate("game.feel.fire(performance.now() + 1000)")
+    page.evaluate("game.feedback.fire(performance.now() + 1000)")
     heard(page)
 
 
@@ -413,8 +413,8 @@ def test_a_hit_shakes_only_those_who_like_motion(page: Page, request: pytest.Fix
     before, after = ({**state, "users": [{"name": "Ann", "life": life, "ready": True}]} for life in (100, 90))
     moving = page.evaluate(
         """([before, after]) => {
-             game.feel.take(before, after, "Ann");
-             game.feel.take(before, after, "Ann");
+             game.feedback.take(before, after, "Ann");
+             game.feedback.take(before, after, "Ann");
              return [stage.getAnimations().length > 0, flash.getAnimations().length];
            }""",
         [before, after],

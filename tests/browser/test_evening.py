@@ -55,7 +55,7 @@ def test_queue_accept_battle_result_rematch_and_give_away(people: list[Person]) 
     cem.page.locator("#ready-btn").click()
     for person, title in ((cem, "UNENTSCHIEDEN!"), (bea, "PAREGGIO!")):
         expect(person.page.locator("dialog[open] h2")).to_have_text(title)
-    expect(cem.page.locator(".tally")).to_contain_text("0 Treffer kassiert")
+    expect(cem.page.locator(".own-stats")).to_contain_text("0 Treffer kassiert")
     cem.page.keyboard.press("Escape")
     expect(cem.page.locator("#lobby")).to_be_visible()
 

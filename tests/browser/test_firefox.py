@@ -58,7 +58,7 @@ def log_in(firefox: Firefox, battle: Battle) -> int:
     firefox.type("Ann")
     firefox.press("Enter")
     wait(firefox, "document.readyState === 'complete' && location.pathname", "/home", "she is signed in")
-    wait(firefox, f"{STAGE}.dataset.view", "eyes", "she sees through her robot's camera")
+    wait(firefox, f"{STAGE}.dataset.view", "camera", "she sees through her robot's camera")
     wait(firefox, f"{CAMERA}.checkVisibility()", True, "the picture is there")
     return int(firefox.ask("document.querySelector('.robotN').innerText").split()[-1])
 

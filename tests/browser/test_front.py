@@ -117,14 +117,14 @@ def trusting(chromium: Browser, folder: Path) -> Iterator[Browser]:
 
 def play(chromium: Browser, front: Front, name: str) -> set[str]:
     """Sign up by the page, see connection and arena live, get ready and sign out. Returns where the page has been."""
-    person = Person(chromium, front, name, eyes=True, arena=True)
+    person = Person(chromium, front, name, camera=True, arena=True)
     page, asked = person.page, set[str]()
     page.on("request", lambda request: asked.add(request.url))
     page.on("websocket", lambda opened: asked.add(opened.url))
     person.log_in()
     expect(page.locator("#connection-state")).to_have_attribute("data-level", re.compile("good|fair"))
     expect(page.locator("body")).to_have_attribute("data-arena", "live")
-    expect(page.locator("#stage")).to_have_attribute("data-view", "eyes")
+    expect(page.locator("#stage")).to_have_attribute("data-view", "camera")
     page.locator("#ready-btn").click()
     expect(page.locator("#ready-btn")).to_have_attribute("aria-pressed", "true")
     page.evaluate("name => fetch('/signOutUser', {method: 'POST', body: new URLSearchParams({data: name})})", name)

@@ -3,7 +3,7 @@
 import "../../../server/static/css/common.css";
 import "../../../server/static/css/touch.css";
 import { Driver } from "../../../server/static/js/drive/driver.js";
-import { Feel } from "../../../server/static/js/battle/feedback.js";
+import { Feedback } from "../../../server/static/js/battle/feedback.js";
 import { connectGame } from "../../../server/static/js/game/controls.js";
 import { connectSwitches, settingsForm } from "../../../server/static/js/game/settings.js";
 import { makeJolt, vibrate } from "../../../server/static/js/common/jolt.js";
@@ -16,14 +16,14 @@ const { document, navigator, OfflineAudioContext } = globalThis; // the linter t
 const byId = (id) => document.getElementById(id);
 const preferences = new Preferences();
 const speaker = new Speaker(preferences);
-const feel = new Feel({ speaker, vibrate, jolt: makeJolt(byId("stage"), byId("flash")) });
+const feedback = new Feedback({ speaker, vibrate, jolt: makeJolt(byId("stage"), byId("flash")) });
 const sent = [];
 const readies = [];
 
 const driver = new Driver({
   send: (command) => {
     sent.push(command);
-    if (command.shoot) feel.fire(performance.now());
+    if (command.shoot) feedback.fire(performance.now());
   },
   every: (ms, act) => {
     const timer = setInterval(act, ms);
@@ -56,4 +56,4 @@ connectGame({
 });
 connectSwitches({ sound: byId("sound"), fullscreen: byId("fullscreen") }, preferences);
 byId("settings").append(settingsForm(preferences, speaker));
-globalThis.game = { driver, feel, preferences, speaker, sent, readies, loudness, pads: () => navigator.getGamepads().filter(Boolean).length };
+globalThis.game = { driver, feedback, preferences, speaker, sent, readies, loudness, pads: () => navigator.getGamepads().filter(Boolean).length };

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { Feel, isLow, moments } from "../../../server/static/js/battle/feedback.js";
+import { Feedback, isLow, moments } from "../../../server/static/js/battle/feedback.js";
 import { shakeFrames } from "../../../server/static/js/common/jolt.js";
 import { SOUNDS } from "../../../server/static/js/common/sound.js";
 import { hit, player, status } from "./samples.js";
@@ -14,11 +14,11 @@ const ended = (place, life = 50) =>
 
 const happened = (previous, current) => moments(previous, current, "Ann");
 
-let felt, feel;
+let felt, feedback;
 
 beforeEach(() => {
   felt = [];
-  feel = new Feel({
+  feedback = new Feedback({
     speaker: {
       play: (name) => felt.push(`play ${name}`),
       repeat: (name, seconds) => felt.push(`repeat ${name} ${seconds}`),
@@ -31,7 +31,7 @@ beforeEach(() => {
 
 /** What is felt of a change, but for the heart, which does not beat. */
 function taken(previous, current) {
-  feel.take(previous, current, "Ann");
+  feedback.take(previous, current, "Ann");
   return felt.splice(0).filter((one) => one !== "quiet");
 }
 
@@ -98,7 +98,7 @@ test("a tick is heard only", () => {
 });
 
 test("the offer of a robot is heard and felt", () => {
-  feel.offer();
+  feedback.offer();
   assert.deepEqual(felt, ["play offer", "vibrate 200,100,200"]);
 });
 
@@ -119,15 +119,15 @@ test("the heart is heard with little life left, while its player fights and the 
   assert.ok(!isLow(playing(10, { paused: true }), "Ann"));
   assert.ok(!isLow(ended(1, 10), "Ann"));
   assert.ok(!isLow(playing(10), "Nobody"));
-  feel.take(playing(20), playing(20), "Ann");
-  feel.take(playing(20), ended(1, 20), "Ann");
-  feel.stop();
+  feedback.take(playing(20), playing(20), "Ann");
+  feedback.take(playing(20), ended(1, 20), "Ann");
+  feedback.stop();
   assert.deepEqual(felt.filter((one) => !one.startsWith("play win") && !one.startsWith("vibrate")), ["repeat heartbeat 1.1", "quiet", "quiet"]);
 });
 
 test("a held fire button sounds once a shot", () => {
   const shots = [];
-  for (let now = 0; now < 1200; now += 25) if (feel.fire(now)) shots.push(now);
+  for (let now = 0; now < 1200; now += 25) if (feedback.fire(now)) shots.push(now);
   assert.deepEqual(shots, [0, 500, 1000]);
   assert.deepEqual(felt, ["play shot", "play shot", "play shot"]);
 });

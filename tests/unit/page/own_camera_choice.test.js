@@ -1,17 +1,17 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Sights } from "../../../server/static/js/game/view_choice.js";
+import { ViewChoice } from "../../../server/static/js/game/view_choice.js";
 
 const LOOKING = { state: "waiting", reason: "the camera is looked for" };
 const AWAY = { state: "waiting", reason: "the camera is away" };
 const LIVE = { state: "live", reason: "" };
 const NONE = { state: "none", reason: "" };
 
-/** Sights that have heard of these states of the camera. */
-function after(states, { hasArena = true, wanted = "eyes" } = {}) {
-  const sights = new Sights(hasArena, wanted);
-  for (const state of states) sights.take(state);
-  return sights;
+/** ViewChoice that have heard of these states of the camera. */
+function after(states, { hasArena = true, wanted = "camera" } = {}) {
+  const choice = new ViewChoice(hasArena, wanted);
+  for (const state of states) choice.take(state);
+  return choice;
 }
 const shown = ({ view, canSwitch, rests }) => [view, canSwitch, rests];
 
@@ -22,13 +22,13 @@ test("without a camera, and while nothing is known of one, the stage is as it wa
 });
 
 test("it begins with the camera as soon as that is live", () => {
-  assert.deepEqual(shown(after([LOOKING, LIVE])), ["eyes", true, false]);
+  assert.deepEqual(shown(after([LOOKING, LIVE])), ["camera", true, false]);
   assert.deepEqual(shown(after([LOOKING, AWAY])), ["arena", true, false]);
-  assert.deepEqual(shown(after([LOOKING, AWAY, LIVE])), ["eyes", true, false]);
+  assert.deepEqual(shown(after([LOOKING, AWAY, LIVE])), ["camera", true, false]);
 });
 
 test("a camera that falls silent stays on the stage, which tells why", () => {
-  assert.deepEqual(shown(after([LIVE, AWAY])), ["eyes", true, false]);
+  assert.deepEqual(shown(after([LIVE, AWAY])), ["camera", true, false]);
 });
 
 test("a robot that has its camera no more is driven by the arena", () => {
@@ -41,20 +41,20 @@ test("who wants the arena gets it, and then the camera rests", () => {
 });
 
 test("without an arena there is only the camera, whatever is wanted", () => {
-  assert.deepEqual(shown(after([LIVE], { hasArena: false, wanted: "arena" })), ["eyes", false, false]);
-  assert.deepEqual(shown(after([AWAY], { hasArena: false })), ["eyes", false, false]);
+  assert.deepEqual(shown(after([LIVE], { hasArena: false, wanted: "arena" })), ["camera", false, false]);
+  assert.deepEqual(shown(after([AWAY], { hasArena: false })), ["camera", false, false]);
 });
 
 test("one switches to the other and back", () => {
-  const sights = after([LIVE]);
-  assert.equal(sights.toggle(), "arena");
-  assert.deepEqual(shown(sights), ["arena", true, true]);
-  assert.equal(sights.toggle(), "eyes");
-  assert.deepEqual(shown(sights), ["eyes", true, false]);
+  const choice = after([LIVE]);
+  assert.equal(choice.toggle(), "arena");
+  assert.deepEqual(shown(choice), ["arena", true, true]);
+  assert.equal(choice.toggle(), "camera");
+  assert.deepEqual(shown(choice), ["camera", true, false]);
 });
 
 test("who asks for a camera that is away sees why", () => {
-  const sights = after([AWAY]);
-  assert.equal(sights.toggle(), "eyes");
-  assert.deepEqual(shown(sights), ["eyes", true, false]);
+  const choice = after([AWAY]);
+  assert.equal(choice.toggle(), "camera");
+  assert.deepEqual(shown(choice), ["camera", true, false]);
 });

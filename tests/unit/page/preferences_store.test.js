@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Preferences } from "../../../server/static/js/common/preferences_store.js";
 
-const STANDARD = { sound: true, volume: 0.7, touch: "pad", hints: true, view: "eyes" };
+const STANDARD = { sound: true, volume: 0.7, touch: "pad", hints: true, view: "camera" };
 const all = (preferences) => Object.fromEntries(Object.keys(STANDARD).map((name) => [name, preferences.get(name)]));
 
 function storageWith(text) {
@@ -17,7 +17,7 @@ test("what is chosen is there after a reload", () => {
   first.set("touch", "stick");
   first.set("volume", 0.3);
   first.toggle("sound");
-  assert.deepEqual(all(new Preferences(() => storage)), { sound: false, volume: 0.3, touch: "stick", hints: true, view: "eyes" });
+  assert.deepEqual(all(new Preferences(() => storage)), { sound: false, volume: 0.3, touch: "stick", hints: true, view: "camera" });
 });
 
 test("what is kept and makes no sense is left alone, the rest counts", () => {

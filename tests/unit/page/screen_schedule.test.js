@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
 import { changes } from "../../../server/static/js/battle/feed.js";
 import { Leaders, serverDay } from "../../../server/static/js/results/leaders.js";
-import { PODIUM, Programme, TURN } from "../../../server/static/js/watch/screen_schedule.js";
+import { PODIUM, ScreenSchedule, TURN } from "../../../server/static/js/watch/screen_schedule.js";
 import { COUNTDOWN, PLAYING } from "../../../server/static/js/battle/state.js";
 import { player, status } from "./samples.js";
 
@@ -13,38 +13,38 @@ const COUNTING = status({ game: COUNTDOWN, users: USERS });
 const BATTLE = status({ game: PLAYING, battle: 1, users: USERS });
 const OVER = status({ battle: 1, result: RESULT });
 
-let programme, previous;
+let schedule, previous;
 
 beforeEach(() => {
-  programme = new Programme();
+  schedule = new ScreenSchedule();
   previous = null;
 });
 
 function take(current, now) {
-  programme.take(current, changes(previous, current), now);
+  schedule.take(current, changes(previous, current), now);
   previous = current;
 }
 
 test("before the first state there is nothing to show", () => {
-  assert.equal(programme.panel(0, true), "none");
+  assert.equal(schedule.panel(0, true), "none");
 });
 
 test("countdown and battle go before everything", () => {
   take(COUNTING, 0);
-  assert.equal(programme.panel(0, true), "countdown");
+  assert.equal(schedule.panel(0, true), "countdown");
   take(BATTLE, 15_000);
-  assert.equal(programme.panel(15_000, true), "battle");
-  assert.equal(programme.panel(300_000, true), "battle");
+  assert.equal(schedule.panel(15_000, true), "battle");
+  assert.equal(schedule.panel(300_000, true), "battle");
 });
 
 test("a battle's end is celebrated, then leaderboard and invitation take turns", () => {
   take(BATTLE, 0);
   take(OVER, 1000);
   take(OVER, 1500);
-  assert.equal(programme.panel(1000, true), "podium");
-  assert.equal(programme.panel(1000 + PODIUM - 1, true), "podium");
+  assert.equal(schedule.panel(1000, true), "podium");
+  assert.equal(schedule.panel(1000 + PODIUM - 1, true), "podium");
   const idle = 1000 + PODIUM;
-  const shown = [0, TURN - 1, TURN, 2 * TURN - 1, 2 * TURN].map((ms) => programme.panel(idle + ms, true));
+  const shown = [0, TURN - 1, TURN, 2 * TURN - 1, 2 * TURN].map((ms) => schedule.panel(idle + ms, true));
   assert.deepEqual(shown, ["leaders", "leaders", "join", "join", "leaders"]);
 });
 
@@ -52,19 +52,19 @@ test("the next countdown ends the podium, also when it stops again", () => {
   take(BATTLE, 0);
   take(OVER, 1000);
   take(status({ ...COUNTING, battle: 1, game: COUNTDOWN, users: USERS }), 3000);
-  assert.equal(programme.panel(3000, true), "countdown");
+  assert.equal(schedule.panel(3000, true), "countdown");
   take(status({ battle: 1 }), 4000);
-  assert.notEqual(programme.panel(4000, true), "podium");
+  assert.notEqual(schedule.panel(4000, true), "podium");
 });
 
 test("who opens the page after a battle is invited, not shown an old podium", () => {
   take(OVER, 0);
-  assert.equal(programme.panel(0, false), "join");
+  assert.equal(schedule.panel(0, false), "join");
 });
 
 test("without a leaderboard there is only the invitation", () => {
   take(IDLE, 0);
-  for (let now = 0; now < 5 * TURN; now += 1000) assert.equal(programme.panel(now, false), "join");
+  for (let now = 0; now < 5 * TURN; now += 1000) assert.equal(schedule.panel(now, false), "join");
 });
 
 test("the leaderboard is asked for every 30 s between battles, and not at all during one", async () => {

@@ -59,7 +59,7 @@ export function isLow(status, name) {
 }
 
 /** What one player of this page hears and feels. */
-export class Feel {
+export class Feedback {
   #speaker;
   #vibrate;
   #jolt;

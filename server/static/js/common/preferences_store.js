@@ -8,7 +8,7 @@ const KINDS = {
   volume: [0.7, (value) => typeof value === "number" && value >= 0 && value <= 1],
   touch: ["pad", (value) => value === "pad" || value === "stick"],
   hints: [true, isBoolean],
-  view: ["eyes", (value) => value === "eyes" || value === "arena"],
+  view: ["camera", (value) => value === "camera" || value === "arena"],
 };
 
 function isBoolean(value) {
@@ -17,7 +17,7 @@ function isBoolean(value) {
 
 /**
  * `sound` (boolean), `volume` (0 to 1), `touch` ("pad" or "stick"), `hints` (boolean: whether the page tells the keys) and
- * `view` ("eyes": the robot's camera, or "arena").
+ * `view` ("camera": the robot's camera, or "arena").
  */
 export class Preferences {
   #getStorage;

@@ -1,4 +1,4 @@
-// The cameras on the operator's desk: one robot's picture in the panel #sight, and the relay's figures in #cameras.
+// The cameras on the operator's desk: one robot's picture in the panel #camera-panel, and the relay's figures in #cameras.
 
 import * as api from "./api.js";
 import { socketAddress } from "../common/addresses.js";
@@ -33,8 +33,8 @@ export class Cameras {
       onPicture: (bitmap, takenAt) => this.#picture.draw(bitmap, takenAt),
       onFigures: (figures) => this.#show(figures),
     });
-    byId("sight").addEventListener("keydown", (event) => event.key === "Escape" && this.close());
-    byId("sight-close").addEventListener("click", () => this.close());
+    byId("camera-panel").addEventListener("keydown", (event) => event.key === "Escape" && this.close());
+    byId("camera-close").addEventListener("click", () => this.close());
   }
 
   start() {
@@ -45,18 +45,18 @@ export class Cameras {
   /** Look through the camera of this robot. */
   look(robot) {
     this.#opener = document.activeElement;
-    setText(byId("sight-title"), t("desk.camera_of", { id: robot }));
+    setText(byId("camera-title"), t("desk.camera_of", { id: robot }));
     this.#picture.clear();
     this.#camera.watch(robot);
-    byId("sight").hidden = false;
-    byId("sight").scrollIntoView({ block: "nearest" });
-    byId("sight-close").focus();
+    byId("camera-panel").hidden = false;
+    byId("camera-panel").scrollIntoView({ block: "nearest" });
+    byId("camera-close").focus();
   }
 
   close() {
     this.#camera.watch(null);
-    const hadFocus = byId("sight").contains(document.activeElement);
-    byId("sight").hidden = true;
+    const hadFocus = byId("camera-panel").contains(document.activeElement);
+    byId("camera-panel").hidden = true;
     if (hadFocus) (this.#opener.isConnected ? this.#opener : byId("robots-title")).focus();
   }
 

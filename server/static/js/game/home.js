@@ -7,8 +7,8 @@ import { Connection } from "../drive/connection.js";
 import * as dialogs from "../common/dialogs.js";
 import { Driver } from "../drive/driver.js";
 import { Laser, count } from "./effects.js";
-import { Eyes } from "./own_camera.js";
-import { Feel } from "../battle/feedback.js";
+import { OwnCamera } from "./own_camera.js";
+import { Feedback } from "../battle/feedback.js";
 import { FeedList } from "../battle/feed_words.js";
 import { connectGame } from "./controls.js";
 import { connectSwitches, settingsForm } from "./settings.js";
@@ -25,14 +25,14 @@ import { showResult } from "./result.js";
 import { Speaker } from "../common/speaker.js";
 import * as state from "../battle/state.js";
 import * as storage from "../common/storage.js";
-import { Tally } from "./own_stats.js";
+import { OwnStats } from "./own_stats.js";
 import { TeamChoice } from "../battle/team_view.js";
 import * as view from "./view.js";
 import { t } from "../common/words.js";
 
 const TICK = 500; // ms between two looks at whether a heartbeat is due
 const RETRY = 1000; // ms between two attempts to reach the server at the start
-const CORNER = 0.5; // scale of the arena in the corner, as in css/eyes.css
+const CORNER = 0.5; // scale of the arena in the corner, as in css/own_camera.css
 const REFUSED = 3000; // ms that a refusal is shown; rosbridge repeats it every second while commands come
 
 const byId = (id) => document.getElementById(id);
@@ -45,8 +45,8 @@ class Game {
   #heartbeat;
   #driver;
   #arena;
-  #eyes;
-  #tally;
+  #ownCamera;
+  #stats;
   #feed = new FeedList(byId("feed"));
   #quality = new LinkQuality();
   #pulse = new Worker(document.querySelector("meta[name=pulse]").content);
@@ -60,7 +60,7 @@ class Game {
   #signingOut = false;
   #preferences = new Preferences();
   #speaker = new Speaker(this.#preferences);
-  #feel = new Feel({ speaker: this.#speaker, vibrate, jolt: makeJolt(byId("stage"), byId("flash")) });
+  #feedback = new Feedback({ speaker: this.#speaker, vibrate, jolt: makeJolt(byId("stage"), byId("flash")) });
   #laser = new Laser(byId("beam"));
   #marks = new HitMarks(byId("hit-mark"), byId("hit-note"));
   #teams = new TeamChoice(byId("teams"), (team) => this.#chooseTeam(team));
@@ -68,7 +68,7 @@ class Game {
   constructor(me, arena) {
     this.#me = me;
     this.#arena = arena;
-    this.#tally = new Tally(me.name, () => performance.now());
+    this.#stats = new OwnStats(me.name, () => performance.now());
     this.#connection = new Connection({
       url: socketAddress("rosbridge"),
       onStatus: (message) => {
@@ -102,21 +102,21 @@ class Game {
         this.#checkSession(); // the server may have forgotten its players
       },
     });
-    this.#eyes = new Eyes({
+    this.#ownCamera = new OwnCamera({
       robot: me.robot,
       hasArena: arena !== null,
       preferences: this.#preferences,
       getTicket: () => this.#checkSession(),
       onView: (view) => {
-        if (arena) arena.scale = view === "eyes" ? CORNER : 1;
+        if (arena) arena.scale = view === "camera" ? CORNER : 1;
       },
     });
     this.#driver = new Driver({
       send: (command) => {
         const sent = this.#connection.publish(me.robot, command);
-        if (!sent || !command.shoot || this.#refusal || !this.#feel.fire(performance.now())) return;
+        if (!sent || !command.shoot || this.#refusal || !this.#feedback.fire(performance.now())) return;
         this.#laser.fire();
-        this.#tally.shot();
+        this.#stats.shot();
       },
       every: (ms, act) => {
         const timer = setInterval(act, ms);
@@ -143,7 +143,7 @@ class Game {
     byId("sign-out").addEventListener("click", () => this.#askSignOut());
     byId("how-to").addEventListener("click", () => this.#pause(help));
     this.#connection.start();
-    this.#eyes.start();
+    this.#ownCamera.start();
     const beat = () => this.#heartbeat.tick(!this.#connection.up);
     this.#timer = setInterval(beat, TICK);
     beat();
@@ -163,7 +163,7 @@ class Game {
     if (state.mayDrive(status, name) && !this.#signingOut) this.#driver.start();
     else this.#stopDriving();
     if (me.avatar !== this.#me.avatar && this.#connection.up) this.#me.avatar = me.avatar;
-    this.#tally.take(previous, status);
+    this.#stats.take(previous, status);
     view.showPlayer(this.#me);
     view.showStatus(status, name, this.#refusal);
     this.#teams.show(state.teamChoice(status, name));
@@ -171,7 +171,7 @@ class Game {
     view.announce(state.announcement(previous, status, name));
     this.#feed.take(previous, status);
     this.#arena?.show({ ...arenaPlayers(status, name), labels: { you: t("game.you") } });
-    this.#feel.take(previous, status, name);
+    this.#feedback.take(previous, status, name);
     this.#marks.take(previous, status, name);
     if (state.hasEnded(previous, status, name)) this.#showResult(status);
     else if (status.game !== state.STOPPED && previous?.game === state.STOPPED) dialogs.closeAll(); // the next one begins
@@ -209,7 +209,7 @@ class Game {
   }
 
   async #showResult(status) {
-    const answer = await showResult(status, this.#me.name, this.#tally.values);
+    const answer = await showResult(status, this.#me.name, this.#stats.values);
     if (answer === "ok") this.#setReady(true);
     else if (answer === "give") this.#signOut("/watch");
   }
@@ -310,10 +310,10 @@ class Game {
     this.#left = true;
     clearInterval(this.#timer);
     this.#stopDriving();
-    this.#feel.stop();
+    this.#feedback.stop();
     this.#pulse.terminate();
     this.#connection.stop();
-    this.#eyes.stop();
+    this.#ownCamera.stop();
     storage.forget();
     dialogs.show({ ...message, ok: null });
     setTimeout(() => location.replace(page), ms);

@@ -5,14 +5,14 @@ import { Camera } from "../camera/relay.js";
 import { CameraView } from "../camera/view.js";
 import { isForPage } from "../drive/controls.js";
 import { isViewKey } from "../drive/keys.js";
-import { Sights } from "./view_choice.js";
+import { ViewChoice } from "./view_choice.js";
 
 const byId = (id) => document.getElementById(id);
 
-export class Eyes {
+export class OwnCamera {
   #robot;
   #preferences;
-  #sights;
+  #choice;
   #camera;
   #onView;
   #picture = new CameraView({ canvas: byId("camera"), note: byId("camera-note"), age: byId("camera-age") });
@@ -29,7 +29,7 @@ export class Eyes {
     this.#robot = robot;
     this.#preferences = preferences;
     this.#onView = onView;
-    this.#sights = new Sights(hasArena, preferences.get("view"));
+    this.#choice = new ViewChoice(hasArena, preferences.get("view"));
     this.#camera = new Camera({
       url: socketAddress("relay"),
       getTicket,
@@ -53,24 +53,24 @@ export class Eyes {
   }
 
   #take(state) {
-    this.#sights.take(state);
+    this.#choice.take(state);
     if (state.state === "none") this.#picture.clear();
     else this.#picture.show(state);
     this.#show();
   }
 
   #toggle() {
-    if (!this.#sights.canSwitch) return;
-    this.#preferences.set("view", this.#sights.toggle());
+    if (!this.#choice.canSwitch) return;
+    this.#preferences.set("view", this.#choice.toggle());
     this.#show();
   }
 
   #show() {
-    const { view, canSwitch, rests } = this.#sights;
+    const { view, canSwitch, rests } = this.#choice;
     this.#camera.watch(rests ? null : this.#robot);
     byId("stage").dataset.view = view;
     this.#onView(view);
     byId("view").hidden = !canSwitch;
-    byId("view").setAttribute("aria-pressed", String(view === "eyes"));
+    byId("view").setAttribute("aria-pressed", String(view === "camera"));
   }
 }

@@ -2,7 +2,7 @@
 
 import { PLAYING, findUser, lifeLost } from "../battle/state.js";
 
-export class Tally {
+export class OwnStats {
   #name;
   #now;
   #battle = null; // number of the battle that is counted

@@ -31,10 +31,10 @@ function outcomeOfTeam(result, name) {
 
 /**
  * What a player did in a battle, in words.
- * @param {{hits: number, shots: number, seconds: number}} tally what the page has counted: see own_stats.js
+ * @param {{hits: number, shots: number, seconds: number}} stats what the page has counted: see own_stats.js
  * @param {import("../battle/messages.js").Player|null} told what the referee has counted, if the light tells who has shot
  */
-export function tallyTexts({ hits, shots, seconds }, told = null) {
+export function statsTexts({ hits, shots, seconds }, told = null) {
   const given = told ? givenTexts(told) : [t("result.shots", { n: shots })];
   return [t("result.hits", { n: hits }), ...given, t("result.survived", { time: clockText(seconds) })];
 }
@@ -50,7 +50,7 @@ function givenTexts({ shots, hits, kills }) {
  * Show it, as the state at the battle's end tells it. The focus stays off the buttons: the player may still be hammering the keys.
  * @returns {Promise<""|"ok"|"give">} "ok": a rematch; "give": somebody else may have the seat
  */
-export function showResult({ result, coded }, name, tally) {
+export function showResult({ result, coded }, name, stats) {
   const told = coded ? result.find((entry) => entry.name === name) : null;
   const { outcome, title, text } = outcomeOf(result, name);
   return dialogs.show({
@@ -60,7 +60,7 @@ export function showResult({ result, coded }, name, tally) {
     text,
     body: [
       podiumView(result, name, coded),
-      element("ul", { className: "tally" }, ...tallyTexts(tally, told).map((line) => element("li", {}, line))),
+      element("ul", { className: "own-stats" }, ...statsTexts(stats, told).map((line) => element("li", {}, line))),
     ],
     ok: t("result.rematch"),
     cancel: t("result.stay"),

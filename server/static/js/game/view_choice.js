@@ -1,10 +1,10 @@
-// Which picture a player's stage shows: that of the own robot's camera ("eyes"), or the arena from above. Pure.
+// Which picture a player's stage shows: that of the own robot's camera ("camera"), or the arena from above. Pure.
 
 import { isUnknown } from "../camera/words.js";
 
-/** @typedef {"eyes"|"arena"} View */
+/** @typedef {"camera"|"arena"} View */
 
-export class Sights {
+export class ViewChoice {
   #hasArena;
   #wanted;
   #isThere = false; // the robot has a camera
@@ -31,7 +31,7 @@ export class Sights {
   /** @returns {View} "arena", too, where there is neither: the stage as it is without pictures */
   get view() {
     if (!this.#isThere) return "arena";
-    return !this.#hasArena || (this.#wanted === "eyes" && this.#hasBegun) ? "eyes" : "arena";
+    return !this.#hasArena || (this.#wanted === "camera" && this.#hasBegun) ? "camera" : "arena";
   }
 
   /** Whether nobody looks at the camera though it is there and works: it need not send anything. */
@@ -41,7 +41,7 @@ export class Sights {
 
   /** The other one. @returns {View} what the player wants now */
   toggle() {
-    this.#wanted = this.view === "eyes" ? "arena" : "eyes";
+    this.#wanted = this.view === "camera" ? "arena" : "camera";
     this.#hasBegun = true;
     return this.#wanted;
   }

@@ -6,7 +6,7 @@ import { ArenaView } from "../common/arena_view.js";
 import { avatarUrl } from "../common/assets.js";
 import * as dialogs from "../common/dialogs.js";
 import { setText } from "../common/dom.js";
-import { Feel } from "../battle/feedback.js";
+import { Feedback } from "../battle/feedback.js";
 import { help } from "../common/help.js";
 import { vibrate } from "../common/jolt.js";
 import { isValidName, loginDialog } from "./login.js";
@@ -31,7 +31,7 @@ const queue = document.getElementById("queue");
 const take = document.getElementById("take");
 
 const speaker = new Speaker(new Preferences());
-const feel = new Feel({ speaker, vibrate });
+const feedback = new Feedback({ speaker, vibrate });
 
 let avatar = Math.floor(Math.random() * storage.AVATARS);
 let entered = false; // the page goes
@@ -86,7 +86,7 @@ function showQueue(session) {
   setText(document.getElementById("queue-title"), title);
   setText(document.getElementById("queue-text"), text);
   if (take.hidden && session.offer !== null) {
-    feel.offer();
+    feedback.offer();
     take.hidden = false;
     take.focus();
   }

@@ -7,7 +7,7 @@ export const TURN = 12_000; // ms of leaderboard and invitation each
 
 /** @typedef {"none"|"join"|"leaders"|"countdown"|"battle"|"podium"} Panel */
 
-export class Programme {
+export class ScreenSchedule {
   #game = null; // null before the first state
   #endedAt = -Infinity;
   #idleSince = 0;

@@ -20,14 +20,14 @@ export function robotOf(hash) {
  * @param {{name: string, robot: number}[]} users @param {number|null} chosen
  * @returns {{robot: number, name: string}[]} by robot; an empty name: nobody drives it
  */
-export function sightsOf(users, chosen) {
+export function camerasOf(users, chosen) {
   const found = users.map(({ name, robot }) => ({ robot, name }));
   if (chosen !== null && !found.some(({ robot }) => robot === chosen)) found.push({ robot: chosen, name: "" });
   return found.sort((one, other) => one.robot - other.robot);
 }
 
-/** The choice in #sight, and the camera in #camera. */
-export class WatchSight {
+/** The choice in #view-choice, and the camera in #camera. */
+export class ViewChoice {
   #hasArena;
   #robot = null;
   #users = [];
@@ -38,7 +38,7 @@ export class WatchSight {
   /** @param {boolean} hasArena */
   constructor(hasArena) {
     this.#hasArena = hasArena;
-    const choice = byId("sight");
+    const choice = byId("view-choice");
     choice.addEventListener("change", () => {
       history.replaceState(null, "", choice.value === "" ? location.pathname : `#robot${choice.value}`);
       this.#choose(robotOf(location.hash));
@@ -56,7 +56,7 @@ export class WatchSight {
   #choose(robot) {
     this.#robot = robot;
     this.#offer();
-    byId("stage").dataset.view = robot === null ? "arena" : "eyes";
+    byId("stage").dataset.view = robot === null ? "arena" : "camera";
     document.body.dataset.arena = this.#hasArena || robot !== null ? "yes" : "no";
     this.#picture?.clear();
     if (robot !== null && !this.#camera) this.#open();
@@ -74,18 +74,18 @@ export class WatchSight {
   }
 
   #offer() {
-    const sights = sightsOf(this.#users, this.#robot);
-    const choice = byId("sight");
-    const offered = JSON.stringify(sights);
+    const cameras = camerasOf(this.#users, this.#robot);
+    const choice = byId("view-choice");
+    const offered = JSON.stringify(cameras);
     if (offered !== this.#offered) {
       this.#offered = offered;
       choice.replaceChildren(
-        element("option", { value: "" }, t(this.#hasArena ? "watch.sight_arena" : "watch.sight_none")),
-        ...sights.map(({ robot, name }) => element("option", { value: String(robot) }, sightText(robot, name))),
+        element("option", { value: "" }, t(this.#hasArena ? "watch.view_arena" : "watch.view_none")),
+        ...cameras.map(({ robot, name }) => element("option", { value: String(robot) }, cameraText(robot, name))),
       );
     }
     choice.value = this.#robot === null ? "" : String(this.#robot);
   }
 }
 
-const sightText = (robot, name) => (name ? t("watch.sight_of", { n: String(robot), name }) : t("watch.sight_robot", { n: String(robot) }));
+const cameraText = (robot, name) => (name ? t("watch.view_of", { n: String(robot), name }) : t("watch.view_robot", { n: String(robot) }));

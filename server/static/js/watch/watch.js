@@ -6,9 +6,9 @@ import { feedEntry, FeedList } from "../battle/feed_words.js";
 import { askLeaders, Leaders, serverDay } from "../results/leaders.js";
 import { arenaPlayers } from "../battle/players.js";
 import { connectPreferences } from "../common/preferences.js";
-import { Programme } from "./screen_schedule.js";
+import { ScreenSchedule } from "./screen_schedule.js";
 import { StatusFeed } from "../battle/status_feed.js";
-import { WatchSight } from "./view_choice.js";
+import { ViewChoice } from "./view_choice.js";
 import * as view from "./view.js";
 
 const TICK = 500; // ms between two looks at what is to be shown
@@ -18,33 +18,33 @@ const byId = (id) => document.getElementById(id);
 const setting = (name) => document.querySelector(`meta[name=${name}]`)?.content;
 
 const feed = new FeedList(byId("feed"));
-const programme = new Programme();
+const schedule = new ScreenSchedule();
 const leaders = new Leaders(() => askLeaders(serverDay(Date.now(), Number(setting("utc-offset")))));
 const arena = openArena();
-const sight = new WatchSight(arena !== null);
+const viewChoice = new ViewChoice(arena !== null);
 let status = null;
 let shown = null; // the players of the leaderboard on the page
 
 function take(current) {
   const news = feed.take(status, current);
   status = current;
-  programme.take(current, news, performance.now());
+  schedule.take(current, news, performance.now());
   if (news.some((change) => change.kind === "end")) view.showPodium(current);
   view.showStatus(current);
   view.announce(news.filter((change) => ANNOUNCED.has(change.kind)).map((change) => feedEntry(change).text).join(" "));
   arena?.show(arenaPlayers(current, null));
-  sight.take(current.users);
+  viewChoice.take(current.users);
   look();
 }
 
 /** Time passes, though nothing else may. */
 function look() {
-  leaders.tick(status !== null && !programme.isBusy);
+  leaders.tick(status !== null && !schedule.isBusy);
   if (leaders.players !== shown) {
     shown = leaders.players;
     view.showLeaders(shown);
   }
-  view.showPanel(programme.panel(performance.now(), shown.length > 0));
+  view.showPanel(schedule.panel(performance.now(), shown.length > 0));
 }
 
 /** The arena's picture, where there is one: it is on the host that served this page. */
