@@ -1,6 +1,7 @@
 """Imports within the programs go one way: no module imports itself by way of others, nor hides that from Python."""
 
 import ast
+import re
 from collections.abc import Iterator
 from graphlib import TopologicalSorter
 
@@ -42,6 +43,17 @@ def test_no_room_imports_itself_by_way_of_others() -> None:
         arrows.setdefault(room(name), set()).update(room(other) for other in imports(tree) if other in trees)
     assert {"server.websocket", "server.access"} <= arrows["server.rosbridge"]
     TopologicalSorter({of: others - {of} for of, others in arrows.items()}).prepare()
+
+
+def test_no_folder_of_the_pages_scripts_imports_itself_by_way_of_others() -> None:
+    folder = ROOT / "server/static/js"
+    arrows: dict[str, set[str]] = {}
+    for path in folder.rglob("*.js"):
+        found = re.findall(r"""from ["']\.\./(\w+)/""", path.read_text())
+        arrows.setdefault(path.parent.name, set()).update(found)
+    assert "common" in arrows["battle"]
+    assert not arrows["common"]
+    TopologicalSorter(arrows).prepare()
 
 
 def room(module: str) -> str:

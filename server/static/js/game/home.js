@@ -1,4 +1,4 @@
-// The game page: who am I, what is the state of the battle, where do my commands go.
+// The game page: what is the state of the battle, where do my commands go.
 
 import { arenaAddress, socketAddress } from "../common/addresses.js";
 import * as api from "../common/api.js";
@@ -22,6 +22,7 @@ import { arenaPlayers } from "../battle/players.js";
 import { connectPreferences } from "../common/preferences.js";
 import { Preferences } from "../common/preferences_store.js";
 import { showResult } from "./result.js";
+import { Session, signedOut, whoAmI } from "./session.js";
 import { Speaker } from "../common/speaker.js";
 import * as state from "../battle/state.js";
 import * as storage from "../common/storage.js";
@@ -31,7 +32,6 @@ import * as view from "./view.js";
 import { t } from "../common/words.js";
 
 const TICK = 500; // ms between two looks at whether a heartbeat is due
-const RETRY = 1000; // ms between two attempts to reach the server at the start
 const CORNER = 0.5; // scale of the arena in the corner, as in css/own_camera.css
 const REFUSED = 3000; // ms that a refusal is shown; rosbridge repeats it every second while commands come
 
@@ -53,8 +53,7 @@ class Game {
   #timer = null;
   #left = false;
   #asking = false; // a change of ready is under way
-  #checking = null; // the question for the session that is under way
-  #serverWasLost = false;
+  #session;
   #refusal = "";
   #refusalTimer = null;
   #signingOut = false;
@@ -69,6 +68,11 @@ class Game {
     this.#me = me;
     this.#arena = arena;
     this.#stats = new OwnStats(me.name, () => performance.now());
+    this.#session = new Session({
+      me,
+      onEnd: (message, ms) => this.#leave(message, ms),
+      onOther: () => location.reload(),
+    });
     this.#connection = new Connection({
       url: socketAddress("rosbridge"),
       onStatus: (message) => {
@@ -84,7 +88,7 @@ class Game {
         this.#quality.add(ms);
         this.#showConnection();
       },
-      getTicket: () => this.#checkSession(),
+      getTicket: () => this.#session.check(),
     });
     this.#heartbeat = new Heartbeat({
       post: () => {
@@ -94,19 +98,19 @@ class Game {
       now: () => performance.now(),
       onReply: (reply) => this.#connection.up || this.#take(fromReply(reply, this.#status)),
       onLost: () => {
-        this.#serverWasLost = true;
+        this.#session.serverWasLost = true;
         this.#showConnection();
       },
       onBack: () => {
         this.#showConnection();
-        this.#checkSession(); // the server may have forgotten its players
+        this.#session.check(); // the server may have forgotten its players
       },
     });
     this.#ownCamera = new OwnCamera({
       robot: me.robot,
       hasArena: arena !== null,
       preferences: this.#preferences,
-      getTicket: () => this.#checkSession(),
+      getTicket: () => this.#session.check(),
       onView: (view) => {
         if (arena) arena.scale = view === "camera" ? CORNER : 1;
       },
@@ -156,7 +160,7 @@ class Game {
     const previous = this.#status;
     const me = state.findUser(status, name);
     if (!me) {
-      this.#checkSession();
+      this.#session.check();
       return;
     }
     this.#status = status;
@@ -240,7 +244,7 @@ class Game {
       dialogs.toast(t("home.robot_away"));
     } else if (reply.status !== "OK") {
       console.error("playerReady:", reply.body);
-      this.#checkSession();
+      this.#session.check();
     }
   }
 
@@ -271,43 +275,15 @@ class Game {
     this.#stopDriving();
     const reply = await api.signOut(this.#me.name).catch(() => null);
     this.#signingOut = false;
-    if (reply?.status === "OK") {
-      this.#leave({ kind: "success", title: t("home.signed_out"), text: t("home.signed_out_text") }, 1500, page);
-    } else if (reply?.status === "UNREGISTERED") {
-      const text = t("home.unknown", { name: this.#me.name });
-      this.#leave({ kind: "error", title: t("home.not_logged_in"), text }, 1500, page);
-    } else {
-      const text = reply ? (reply.error ?? reply.body) : t("home.does_not_answer");
-      dialogs.show({ kind: "error", title: t("home.still_signed_in"), text });
-    }
-  }
-
-  /** Ask the server whether this page's player is still signed in: the session, or null. If not, say so once and go. */
-  #checkSession() {
-    this.#checking ??= this.#askForSession().finally(() => (this.#checking = null));
-    return this.#checking;
-  }
-
-  async #askForSession() {
-    const session = await api.session().catch(() => null); // no answer: the heartbeat goes on asking
-    if (!session || this.#left) return null;
-    if (session.status === "UNREGISTERED") {
-      const why = this.#serverWasLost ? "restarted" : "robot_lost";
-      this.#leave({ kind: "error", title: t(`home.${why}`), text: t(`home.${why}_text`) }, 2500);
-    } else if (session.status === "QUEUED") {
-      this.#leave({ kind: "info", title: t("home.turn_over"), text: t("home.turn_over_text") }, 4000);
-    } else if (session.user !== this.#me.name || session.robot !== this.#me.robot) {
-      location.reload(); // another tab of this browser has signed in again
-    } else {
-      this.#serverWasLost = false;
-      return session;
-    }
-    return null;
+    const { isOut, message } = signedOut(reply, this.#me.name);
+    if (isOut) this.#leave(message, 1500, page);
+    else dialogs.show(message);
   }
 
   /** The end of this page: say why, then to another one after `ms`. */
   #leave(message, ms, page = "/") {
     this.#left = true;
+    this.#session.end();
     clearInterval(this.#timer);
     this.#stopDriving();
     this.#feedback.stop();
@@ -317,18 +293,6 @@ class Game {
     storage.forget();
     dialogs.show({ ...message, ok: null });
     setTimeout(() => location.replace(page), ms);
-  }
-}
-
-/** The player of this browser's session, as the server knows him. Waits for the server. */
-async function whoAmI() {
-  for (;;) {
-    try {
-      return await api.session();
-    } catch {
-      view.showConnection(state.connectionState(false, false), null);
-      await new Promise((resolve) => setTimeout(resolve, RETRY));
-    }
   }
 }
 
@@ -348,7 +312,7 @@ function openArena() {
 }
 
 async function main() {
-  const session = await whoAmI();
+  const session = await whoAmI(() => view.showConnection(state.connectionState(false, false), null));
   if (session.status === "QUEUED") {
     location.replace("/");
     return;
