@@ -16,9 +16,9 @@ from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import Game
 from laser_bot_battle.place import Place, find_again, locate
 from laser_bot_battle.settings import describe, read_or_exit
-from sim.bot_course import Course
 from sim.bot_game import RETRY, Arena, Eyes, GameError, Player, Rosbridge, Status, Web
 from sim.bot_mind import NEUTRAL, Command, Mind
+from sim.bot_paths import Paths
 from sim.bot_settings import PREFIX, VARIABLES, Settings, following, is_bot
 from sim.lifecycle import first_of, live_until, signalled
 
@@ -188,7 +188,7 @@ class Bot:
             return NEUTRAL
         if self._mind is None or arena is not self._arena:
             self._arena = arena
-            self._mind = Mind(Course(arena.width, arena.height, arena.walls), random.Random())
+            self._mind = Mind(Paths(arena.width, arena.height, arena.walls), random.Random())
         return self._mind.decide(now, me, {number: pose.point for number, pose in robots.items()}, opponents)
 
     async def _say_goodbye(self) -> None:

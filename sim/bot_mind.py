@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from sim.arena.geometry import Point, Pose, bearing, wrap
 from sim.arena.light import free_distance
-from sim.bot_course import Course
+from sim.bot_paths import Paths
 
 AIM_TOLERANCE = math.radians(6)  # a robot turns 2.7 degrees in one command's time, and stops some commands late
 FIRE_RANGE = 0.75  # m
@@ -55,13 +55,13 @@ AVERAGE = Skill()
 
 
 class Mind:
-    """One bot on one course. Times are s of any steady clock, never going back."""
+    """One bot on one floor. Times are s of any steady clock, never going back."""
 
-    def __init__(self, course: Course, chance: random.Random, skill: Skill = AVERAGE) -> None:
-        self._course = course
+    def __init__(self, paths: Paths, chance: random.Random, skill: Skill = AVERAGE) -> None:
+        self._paths = paths
         self._chance = chance
         self._skill = skill
-        self._places = course.places()
+        self._places = paths.places()
         self._views: deque[tuple[float, Mapping[int, Point]]] = deque()
         self._aim_error = 0.0
         self._next_shot: float | None = None  # not before this; None until the first look
@@ -105,7 +105,7 @@ class Mind:
     def _hunt(self, now: float, me: Pose, target: Point, bystanders: Collection[Point]) -> Command:
         distance = math.dist(me.point, target)
         direction = bearing(me.point, target)
-        in_sight = free_distance(me.point, direction, self._course.walls, bystanders, distance) >= distance
+        in_sight = free_distance(me.point, direction, self._paths.walls, bystanders, distance) >= distance
         if not in_sight or distance > FIRE_RANGE:
             return self._drive_to(now, me, target)
         off = wrap(direction + self._aim_error - me.heading)
@@ -133,7 +133,7 @@ class Mind:
     def _drive_to(self, now: float, me: Pose, goal: Point) -> Command:
         planned, point = self._path
         if now - planned > REPLAN:
-            point = self._course.next_point(me.point, goal)
+            point = self._paths.next_point(me.point, goal)
             self._path = (now, point)
         off = wrap(bearing(me.point, point) - me.heading)
         if abs(off) > TURN_FIRST:

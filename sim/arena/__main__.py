@@ -11,7 +11,7 @@ from laser_bot_battle.log import configure_logging
 from laser_bot_battle.settings import describe, read_or_exit
 from laser_bot_battle.watched import Owner, in_loop, watched
 from sim.arena.ambient import Ambient, add_options
-from sim.arena.eyes.pages import EyePages
+from sim.arena.cameras.pages import CameraPages
 from sim.arena.link import Link
 from sim.arena.metrics import metrics
 from sim.arena.settings import VARIABLES, Settings
@@ -27,7 +27,7 @@ async def run(settings: Settings, light: Ambient, timecode: bool) -> None:
     end = signalled()
     world = World(settings.floor)
     link = Link(world, light)
-    view = View(world, settings.rosbridge_port, EyePages(world, light, timecode))
+    view = View(world, settings.rosbridge_port, CameraPages(world, light, timecode))
     page = web.AppRunner(view.app(), access_log=None, shutdown_timeout=1.0)
     await page.setup()
     try:

@@ -14,7 +14,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from laser_bot_battle.hosts import is_valid_host
 from laser_bot_battle.names import FRONT_HEADER
-from sim.arena.eyes.pages import EYES, EyePages
+from sim.arena.cameras.pages import CAMERAS, CameraPages
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
 from sim.arena.policy import page_policy
@@ -78,7 +78,7 @@ def state_message(world: World, now: float, start: float = 0.0) -> dict[str, Any
 class View:
     """The HTTP side. Every viewer gets the newest state when it can take one; a slow one skips states."""
 
-    def __init__(self, world: World, rosbridge_port: int, eyes: EyePages) -> None:
+    def __init__(self, world: World, rosbridge_port: int, eyes: CameraPages) -> None:
         """Pages find the game's rosbridge at `rosbridge_port` of the host that they came from."""
         self._world = world
         self._eyes = eyes
@@ -126,7 +126,7 @@ class View:
                 response.headers.setdefault(name, value)  # the eyes' pictures have an own Cache-Control
             if request.path.startswith(f"/{self._files}"):
                 response.headers.update(KEPT)
-            if not request.path.startswith(EYES):  # those are compressed already
+            if not request.path.startswith(CAMERAS):  # those are compressed already
                 response.enable_compression()  # page and scripts take a third of their size
         return response
 

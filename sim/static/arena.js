@@ -1,6 +1,6 @@
 // The page of the arena, by itself or inside a page of the game: follows the view and who plays, draws what moves.
 
-import { Cast } from "./cast.js";
+import { Roles } from "./roles.js";
 import { Embedding } from "./embedding.js";
 import { Feed } from "./feed.js";
 import { Game } from "./game.js";
@@ -30,7 +30,7 @@ document.body.classList.toggle("embedded", isEmbedded);
 const scene = new Scene(byId("floor"));
 const motion = new Motion();
 const governor = new Governor();
-const cast = new Cast(words);
+const roles = new Roles(words);
 const feed = new Feed(`${scheme}//${location.host}${location.pathname}view`, receive, showConnection);
 const embedding = new Embedding(takePlayers, report);
 const loop = new Loop({ look, draw });
@@ -72,9 +72,9 @@ function receive(message) {
 }
 
 function takePlayers(players) {
-  cast.take(players, seconds());
+  roles.take(players, seconds());
   governor.mode = players?.effects ?? "auto";
-  feed.drives = cast.drives;
+  feed.drives = roles.drives;
   const news = JSON.stringify(players);
   if (news === toldPlayers) return;
   toldPlayers = news;
@@ -86,12 +86,12 @@ function takePlayers(players) {
 
 /** The words of the page; states come 25 times a second, and seldom change one. */
 function showWords() {
-  const list = rows(robots, cast, words);
-  const news = JSON.stringify([list, cast.words.empty]);
+  const list = rows(robots, roles, words);
+  const news = JSON.stringify([list, roles.words.empty]);
   if (news === shown) return;
   shown = news;
   byId("empty").hidden = list.length > 0;
-  byId("empty").textContent = cast.words.empty;
+  byId("empty").textContent = roles.words.empty;
   if (!isEmbedded) showRows(byId("robots"), list);
   const label = [words.picture, ...list.map(({ name, state: life }) => `${name} ${life}`.trim())].join(", ");
   byId("floor").setAttribute("aria-label", label);
@@ -118,7 +118,7 @@ function look(now, isFirst) {
 function draw(now) {
   const { effects } = governor;
   const time = now / 1000;
-  const { isDrawn, pace } = scene.show(motion.at(time), cast, effects, calm.matches, time);
+  const { isDrawn, pace } = scene.show(motion.at(time), roles, effects, calm.matches, time);
   if (isDrawn) pictures += 1;
   const wanted = Math.min(most * scale, effects.pictures, time - newsAt < SETTLING ? MOTION : pace);
   return wanted === REST ? null : 1000 / wanted;

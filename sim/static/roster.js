@@ -5,13 +5,13 @@ import { colourOf, OUT } from "./colours.js";
 /**
  * What the list says about each robot, in its order. Pure.
  * @param {object[]} robots of the view
- * @param {import("./cast.js").Cast} cast
+ * @param {import("./roles.js").Roles} roles
  * @param {object} words of the page
  */
-export function rows(robots, cast, words) {
+export function rows(robots, roles, words) {
   const order = [...robots].sort((a, b) => (a.id ?? Infinity) - (b.id ?? Infinity) || (a.name < b.name ? -1 : 1));
   return order.map((robot) => {
-    const { player, out } = cast.of(robot) ?? {};
+    const { player, out } = roles.of(robot) ?? {};
     return {
       badge: String(robot.id ?? "?"),
       name: player?.name ?? words.robot.replace("{n}", robot.id ?? "?"),

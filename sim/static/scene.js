@@ -94,28 +94,28 @@ export class Scene {
   /**
    * Draw a picture if it would be another one than that on the canvas.
    * @param {object[]} robots poses of the view
-   * @param {import("./cast.js").Cast} cast who plays them
+   * @param {import("./roles.js").Roles} roles who plays them
    * @param {{glow: number, smoke: number, sparks: number, tracks: boolean, density: number}} effects
    * @param {boolean} still whoever looks wants no motion that means nothing
    * @param {number} now s
    * @returns {{isDrawn: boolean, pace: number}} `pace`: pictures a second that are worth drawing while no robot moves
    */
-  show(robots, cast, effects, still, now) {
+  show(robots, roles, effects, still, now) {
     if (!this.#arena || !this.#room.width || !this.#room.height) return { isDrawn: false, pace: REST };
-    const pace = this.#paceOf(cast, effects, still, now);
+    const pace = this.#paceOf(roles, effects, still, now);
     const isOver = pace === REST && this.#pace !== REST; // the picture after the last one of an effect is that without it
     const isDrawn = isOver || isDue(pace, now - this.#drawnAt) || this.#isNews(robots, effects);
-    if (isDrawn) this.#draw(robots, cast, effects, still, now);
-    this.#pace = isDrawn ? this.#paceOf(cast, effects, still, now) : pace; // a hit may have been drawn
+    if (isDrawn) this.#draw(robots, roles, effects, still, now);
+    this.#pace = isDrawn ? this.#paceOf(roles, effects, still, now) : pace; // a hit may have been drawn
     return { isDrawn, pace: this.#pace };
   }
 
   /** What goes on by itself. */
-  #paceOf(cast, effects, still, now) {
+  #paceOf(roles, effects, still, now) {
     const isLit = this.#drawn?.some((robot) => this.#memory.flash(robot, now) > 0 && !(robot.lit && still));
-    const isCalled = cast.drives && isCalling(cast.sinceStart(now));
+    const isCalled = roles.drives && isCalling(roles.sinceStart(now));
     if (isLit || isCalled || this.#sparks.isFlying(now) || this.#tags.isUnfinished) return MOTION;
-    const drifts = (cast.smokes && effects.smoke > 0 && !still) || (effects.tracks && this.#memory.hasTracks);
+    const drifts = (roles.smokes && effects.smoke > 0 && !still) || (effects.tracks && this.#memory.hasTracks);
     return drifts ? DRIFT : REST;
   }
 
@@ -123,7 +123,7 @@ export class Scene {
     return !this.#drawn || effects !== this.#effects || isOther(this.#drawn, robots, this.#arena, this.#scale);
   }
 
-  #draw(robots, cast, effects, still, now) {
+  #draw(robots, roles, effects, still, now) {
     [this.#drawn, this.#effects, this.#drawnAt] = [robots, effects, now];
     this.#prepare(Math.min(window.devicePixelRatio || 1, effects.density));
     const context = this.#context;
@@ -132,23 +132,23 @@ export class Scene {
     for (const robot of this.#memory.follow(robots, now)) {
       this.#sparks.burst(robot, this.#arena.robot_radius, this.#arena.height, still ? 0 : effects.sparks, now);
     }
-    const shown = robots.map((robot) => this.#look(robot, cast, now));
+    const shown = robots.map((robot) => this.#look(robot, roles, now));
     this.#toMetres(context);
     if (effects.tracks) for (const each of shown) if (!each.out) drawTrack(context, each.remembered.track, each.colour, now);
-    for (const each of shown) if (each.isMe) drawMark(context, each.robot, this.#arena.robot_radius, each.colour, cast.sinceStart(now), still);
+    for (const each of shown) if (each.isMe) drawMark(context, each.robot, this.#arena.robot_radius, each.colour, roles.sinceStart(now), still);
     for (const each of shown) this.#drawRobot(context, each);
-    this.#drawLight(context, robots, shown, effects, cast.words.hit, still, now);
+    this.#drawLight(context, robots, shown, effects, roles.words.hit, still, now);
     context.setTransform(1, 0, 0, 1, 0, 0);
     const smoking = shown.filter((each) => each.out);
     for (const each of smoking) {
       const place = { ...each.pixels, scale: this.#scale };
       drawSmoke(context, this.#sprites.puff(), place, effects.smoke, still ? 0 : now + (each.robot.id ?? 0));
     }
-    this.#drawTags(context, shown, cast, now);
+    this.#drawTags(context, shown, roles, now);
   }
 
-  #look(robot, cast, now) {
-    const role = cast.of(robot) ?? NOBODY;
+  #look(robot, roles, now) {
+    const role = roles.of(robot) ?? NOBODY;
     const colour = role.player?.colour ?? colourOf(robot);
     return {
       robot,
@@ -157,7 +157,7 @@ export class Scene {
       flash: this.#memory.flash(robot, now),
       remembered: this.#memory.of(robot),
       pixels: this.#toPixels(robot),
-      alpha: cast.known && !role.player ? DIM : 1,
+      alpha: roles.known && !role.player ? DIM : 1,
     };
   }
 
@@ -196,7 +196,7 @@ export class Scene {
     context.globalCompositeOperation = "source-over";
   }
 
-  #drawTags(context, shown, cast, now) {
+  #drawTags(context, shown, roles, now) {
     const played = shown.filter(({ player }) => player);
     const entries = played.sort((one, other) => one.isMe - other.isMe); // the own one on top
     this.#tags.draw(
@@ -208,7 +208,7 @@ export class Scene {
         width: this.#canvas.width,
         height: this.#canvas.height,
         radius: this.#arena.robot_radius * this.#scale,
-        you: cast.words.you,
+        you: roles.words.you,
       },
       now,
     );

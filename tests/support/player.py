@@ -13,8 +13,8 @@ import requests
 from websockets.sync.client import connect
 
 from sim.arena.geometry import Pose, bearing, wrap
-from sim.bot_course import Course
 from sim.bot_mind import Mind, Skill
+from sim.bot_paths import Paths
 from tests.support.polling import until
 
 SWEEP = math.radians(30)  # off the prey: the light is on
@@ -196,8 +196,8 @@ class Hunter:
     """
 
     def __init__(self, floor: Mapping[str, Any]) -> None:
-        course = Course(floor["width"], floor["height"], floor["walls"])
-        self._mind = Mind(course, random.Random(1), MERCILESS)
+        paths = Paths(floor["width"], floor["height"], floor["walls"])
+        self._mind = Mind(paths, random.Random(1), MERCILESS)
 
     def command(self, robots: Mapping[int, Mapping[str, float]], me: int, prey: int) -> tuple[int, int, bool]:
         """What robot `me` must do now (linear_x, angular_z, shoot) to bring robot `prey` down."""

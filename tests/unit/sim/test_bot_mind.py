@@ -8,8 +8,8 @@ import pytest
 
 from sim.arena.floor import BATTLE_FLOOR, make_floor
 from sim.arena.geometry import Point, Pose, Wall, bearing
-from sim.bot_course import Course
 from sim.bot_mind import NEUTRAL, Command, Mind, Skill
+from sim.bot_paths import Paths
 from tests.unit.sim.duel import TICK, Duel, bot, idle
 
 STEADY = Skill(mercy=0.0, reaction=0.2, aim_error=0.0, reload=(1.5, 1.5), rest=(0.1, 0.1), roam_chance=0.0)
@@ -18,7 +18,7 @@ LATER = 1.0  # s after the first look: more than any reaction time
 
 def mind(skill: Skill = STEADY, walls: tuple[Wall, ...] = ()) -> Mind:
     floor = make_floor(2.0, 2.0, walls, ())
-    return Mind(Course(2.0, 2.0, floor.walls), random.Random(1), skill)
+    return Mind(Paths(2.0, 2.0, floor.walls), random.Random(1), skill)
 
 
 def decide(player: Mind, me: Pose, *others: Point, opponents: set[int] | None = None) -> Command:

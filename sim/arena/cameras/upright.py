@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim.arena.eyes.colours import Colour
-from sim.arena.eyes.optics import CAMERA_HEIGHT, FOCAL, MIDDLE_Y, ROWS, Floats
-from sim.arena.eyes.texture import Ripmap
+from sim.arena.cameras.colours import Colour
+from sim.arena.cameras.optics import CAMERA_HEIGHT, FOCAL, MIDDLE_Y, ROWS, Floats
+from sim.arena.cameras.texture import Ripmap
 
 MIRROR = 0.30  # how much of the light the floor reflects
 MIRROR_FADE = 6.0  # 1/m: the higher up, the less

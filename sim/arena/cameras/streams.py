@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple, NoReturn
 
 from sim.arena.ambient import Ambient
-from sim.arena.eyes.scene import Body, Room, Scene
-from sim.arena.eyes.studio import Studio, StudioError, studio
+from sim.arena.cameras.painter_process import PainterError, PainterProcess, painter_process
+from sim.arena.cameras.scene import Body, Room, Scene
 from sim.arena.light import BEAM_RANGE, free_distance
 from sim.arena.world import Robot, World
 
@@ -52,7 +52,7 @@ class Eye:
         self._bell = asyncio.Event()
 
 
-class Gallery:
+class Streams:
     """The eyes that somebody looks through. For the event loop's thread."""
 
     def __init__(self, world: World, ambient: Ambient, timecode: bool) -> None:
@@ -92,13 +92,13 @@ class Gallery:
         while True:
             await self._wanted.wait()
             try:
-                async with studio(self._room) as painters:
+                async with painter_process(self._room) as painters:
                     await self._paint(painters)
-            except StudioError as error:
+            except PainterError as error:
                 _log.warning("the process that paints what robots see is started again: %s", error)
                 await asyncio.sleep(RETRY)
 
-    async def _paint(self, painters: Studio) -> None:
+    async def _paint(self, painters: PainterProcess) -> None:
         """Until nobody has looked for some time."""
         loop = asyncio.get_running_loop()
         due = loop.time()

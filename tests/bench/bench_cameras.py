@@ -16,8 +16,8 @@ from contextlib import ExitStack, contextmanager
 import psutil
 
 from sim.arena.ambient import Ambient
-from sim.arena.eyes.picture import Painter
-from sim.arena.eyes.scene import Body, Room, Scene
+from sim.arena.cameras.picture import Painter
+from sim.arena.cameras.scene import Body, Room, Scene
 from sim.arena.floor import BATTLE_FLOOR
 from tests.bench.bench_rosbridge import cpu_seconds
 from tests.bench.bench_view import driving

@@ -11,10 +11,10 @@ import pytest
 from PIL import Image
 
 from sim.arena.ambient import Ambient
-from sim.arena.eyes.colours import PALETTE, Colour, robot_colour
-from sim.arena.eyes.optics import HEIGHT, WIDTH
-from sim.arena.eyes.picture import Painter
-from sim.arena.eyes.scene import Body, Room, Scene
+from sim.arena.cameras.colours import PALETTE, Colour, robot_colour
+from sim.arena.cameras.optics import HEIGHT, WIDTH
+from sim.arena.cameras.picture import Painter
+from sim.arena.cameras.scene import Body, Room, Scene
 from sim.arena.floor import BATTLE_FLOOR
 from tests.support.programs import ROOT
 

@@ -4,7 +4,7 @@ const BEGINS = ["countdown", "playing"]; // phases at which a player looks for t
 
 /** @typedef {{player: import("./players.js").Player, isMe: boolean, out: boolean}} Role */
 
-export class Cast {
+export class Roles {
   #roles = new Map(); // robot's ID -> Role
   #phase = "";
   #startedAt = -Infinity;

@@ -1,11 +1,11 @@
-"""`python3 -m sim.arena.eyes`: paints what robots see. The arena starts it; frames come by stdin and go by stdout."""
+"""`python3 -m sim.arena.cameras`: paints what robots see. The arena starts it; frames come by stdin, go by stdout."""
 
 import os
 import signal
 import sys
 
-from sim.arena.eyes.picture import Painter
-from sim.arena.eyes.scene import Room, Scene, frame_of, read_frame
+from sim.arena.cameras.picture import Painter
+from sim.arena.cameras.scene import Room, Scene, frame_of, read_frame
 
 NICENESS = 5  # on a machine with too few cores, the robots' processors and light come first
 

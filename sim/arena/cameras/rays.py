@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.arena.eyes.optics import COLUMNS, FOCAL, NEAR, Camera, Floats
+from sim.arena.cameras.optics import COLUMNS, FOCAL, NEAR, Camera, Floats
 from sim.arena.geometry import Wall
 
 FAR = 100.0  # m; the depth of what is not met

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.arena.eyes.optics import Floats
+from sim.arena.cameras.optics import Floats
 
 PALETTE = ("#2de2ff", "#ffb52d", "#3dffa2", "#c77dff", "#ff7a3d", "#5b8cff", "#f2ff5c", "#ff7de0")  # robots, by number
 

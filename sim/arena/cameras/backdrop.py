@@ -7,9 +7,9 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFilter
 
 from sim.arena.ambient import Ambient
-from sim.arena.eyes.colours import Colour, colour
-from sim.arena.eyes.optics import COLUMNS, HEIGHT, ROWS, Camera, Floats
-from sim.arena.eyes.texture import planes_of
+from sim.arena.cameras.colours import Colour, colour
+from sim.arena.cameras.optics import COLUMNS, HEIGHT, ROWS, Camera, Floats
+from sim.arena.cameras.texture import planes_of
 
 TURN = 2048  # columns of a whole turn
 RISE = 0.76  # the highest row's height by its distance
@@ -20,7 +20,7 @@ SKY = ((0.0, "#ff4fa0"), (0.05, "#a52f9c"), (0.16, "#4a1d7a"), (0.34, "#1c1347")
 _ROWS = HEIGHT // 2
 
 
-class Hall:
+class Backdrop:
     def __init__(self, ambient: Ambient) -> None:
         self._texels = planes_of(_panorama(ambient))
         # on a cylinder around the camera, a column's rows are the lower the farther it is aside

@@ -6,9 +6,9 @@ import pytest
 
 from sim.arena.floor import BATTLE_FLOOR
 from sim.arena.geometry import Point
-from sim.bot_course import Course
+from sim.bot_paths import Paths
 
-COURSE = Course(BATTLE_FLOOR.width, BATTLE_FLOOR.height, BATTLE_FLOOR.walls)
+COURSE = Paths(BATTLE_FLOOR.width, BATTLE_FLOOR.height, BATTLE_FLOOR.walls)
 
 
 def test_a_free_way_is_straight() -> None:
@@ -41,4 +41,4 @@ def test_a_start_at_a_wall_and_a_goal_within_one_still_give_a_way() -> None:
 
 
 def test_a_floor_without_room_is_driven_straight() -> None:
-    assert Course(0.1, 0.1, [(0, 0, 0.1, 0.1)]).next_point((0, 0), (0.1, 0)) == (0.1, 0)
+    assert Paths(0.1, 0.1, [(0, 0, 0.1, 0.1)]).next_point((0, 0), (0.1, 0)) == (0.1, 0)

@@ -14,8 +14,8 @@ import pytest
 import requests
 from PIL import Image
 
-from sim.arena.eyes.gallery import RATE
-from sim.arena.eyes.pages import MAX_CONNECTIONS
+from sim.arena.cameras.pages import MAX_CONNECTIONS
+from sim.arena.cameras.streams import RATE
 from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.integration.sim.stream import Stream
 from tests.support.polling import until

@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import AsyncIterator
 
-from sim.arena.eyes.scene import LENGTH, MAX_FRAME, Room, Scene, frame_of
+from sim.arena.cameras.scene import LENGTH, MAX_FRAME, Room, Scene, frame_of
 
 START_SECONDS = 20.0  # until the first picture: NumPy is loaded and textures are painted, on a slow machine
 PAINT_SECONDS = 3.0  # for each further picture; a process that takes longer is stuck
@@ -21,12 +21,12 @@ ENVIRONMENT = {
 }
 
 
-class StudioError(Exception):
+class PainterError(Exception):
     """There are no pictures from this process any more; the text says why."""
 
 
-class Studio:
-    """Asks the process for pictures. After a StudioError it gives none."""
+class PainterProcess:
+    """Asks the process for pictures. After a PainterError it gives none."""
 
     def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         self._reader = reader
@@ -40,30 +40,30 @@ class Studio:
                 self._writer.write(frame_of(scene.encode()))
                 (length,) = LENGTH.unpack(await self._reader.readexactly(LENGTH.size))
                 if length > MAX_FRAME:
-                    raise StudioError(f"it sends {length} bytes")
+                    raise PainterError(f"it sends {length} bytes")
                 jpeg = await self._reader.readexactly(length)
         except TimeoutError:
-            raise StudioError(f"no picture came for {self._patience:g} s") from None
+            raise PainterError(f"no picture came for {self._patience:g} s") from None
         except (OSError, EOFError):
-            raise StudioError("it has ended") from None
+            raise PainterError("it has ended") from None
         self._patience = PAINT_SECONDS
         return jpeg
 
 
 @contextlib.asynccontextmanager
-async def studio(room: Room) -> AsyncIterator[Studio]:
+async def painter_process(room: Room) -> AsyncIterator[PainterProcess]:
     """A new process, which is gone afterwards."""
     try:
         process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "sim.arena.eyes",
+            sys.executable, "-m", "sim.arena.cameras",
             stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, env={**os.environ, **ENVIRONMENT},
         )  # fmt: skip
     except OSError as error:
-        raise StudioError(f"it cannot be started: {error.strerror}") from None
+        raise PainterError(f"it cannot be started: {error.strerror}") from None
     assert process.stdin and process.stdout
     try:
         process.stdin.write(frame_of(room.encode()))
-        yield Studio(process.stdout, process.stdin)
+        yield PainterProcess(process.stdout, process.stdin)
     finally:
         process.stdin.close()
         try:

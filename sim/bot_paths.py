@@ -14,7 +14,7 @@ Cell = tuple[int, int]
 _STEPS = [(dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if dx or dy]
 
 
-class Course:
+class Paths:
     """A floor of `width` x `height` m with `walls`, the outer ones included."""
 
     def __init__(self, width: float, height: float, walls: Sequence[Wall]) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageFilter
 
-from sim.arena.eyes.optics import Floats
+from sim.arena.cameras.optics import Floats
 
 LEVELS = 6  # of each direction, each half as fine as the one before
 

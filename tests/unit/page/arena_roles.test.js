@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { Cast } from "../../../sim/static/cast.js";
+import { Roles } from "../../../sim/static/roles.js";
 import { playersOf } from "../../../sim/static/game.js";
 import { Memory } from "../../../sim/static/memory.js";
 import { Motion } from "../../../sim/static/motion.js";
@@ -20,30 +20,30 @@ test("rosbridge's state tells who plays, who is out and what happens", () => {
 });
 
 test("a battle begins once: when its phase is new", () => {
-  const cast = new Cast(WORDS);
+  const roles = new Roles(WORDS);
   const news = (phase) => ({ me: "al", phase, labels: {}, players: playersOf(message({ users })).players });
-  cast.take(news("stopped"), 10);
-  assert.equal(cast.sinceStart(11), Infinity);
-  cast.take(news("playing"), 20);
-  cast.take(news("playing"), 25);
-  assert.equal(cast.sinceStart(26), 6);
-  assert.deepEqual([cast.drives, cast.of(robot(0)).isMe, cast.of(robot(1)).isMe, cast.of(robot(7))], [true, true, false, undefined]);
+  roles.take(news("stopped"), 10);
+  assert.equal(roles.sinceStart(11), Infinity);
+  roles.take(news("playing"), 20);
+  roles.take(news("playing"), 25);
+  assert.equal(roles.sinceStart(26), 6);
+  assert.deepEqual([roles.drives, roles.of(robot(0)).isMe, roles.of(robot(1)).isMe, roles.of(robot(7))], [true, true, false, undefined]);
 });
 
 test("the page's words win, and leave with it", () => {
-  const cast = new Cast(WORDS);
-  cast.take({ me: null, phase: "", labels: { you: "ICH" }, players: [] }, 0);
-  assert.deepEqual([cast.words.you, cast.words.hit, cast.known, cast.drives], ["ICH", "HIT", true, false]);
-  cast.take(null, 1);
-  assert.deepEqual([cast.words.you, cast.known], ["YOU", false]);
+  const roles = new Roles(WORDS);
+  roles.take({ me: null, phase: "", labels: { you: "ICH" }, players: [] }, 0);
+  assert.deepEqual([roles.words.you, roles.words.hit, roles.known, roles.drives], ["ICH", "HIT", true, false]);
+  roles.take(null, 1);
+  assert.deepEqual([roles.words.you, roles.known], ["YOU", false]);
 });
 
 test("the list has the players by robot, with the life that is left", () => {
-  const cast = new Cast(WORDS);
+  const roles = new Roles(WORDS);
   const robots = [robot(7), robot(2), robot(1), robot(0)];
-  assert.deepEqual(rows(robots, cast, WORDS).map(({ name }) => name), ["Robot 0", "Robot 1", "Robot 2", "Robot 7"]);
-  cast.take(playersOf(message({ game: 2, users })), 0);
-  const list = rows(robots, cast, WORDS);
+  assert.deepEqual(rows(robots, roles, WORDS).map(({ name }) => name), ["Robot 0", "Robot 1", "Robot 2", "Robot 7"]);
+  roles.take(playersOf(message({ game: 2, users })), 0);
+  const list = rows(robots, roles, WORDS);
   assert.deepEqual(list.map(({ badge, name, state, life }) => [badge, name, state, life]), [
     ["0", "al", "40 %", 40], ["1", "bo", "out", null], ["2", "cy", "not ready", null], ["7", "Robot 7", "", null],
   ]);

@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 from PIL import Image, ImageDraw
 
-from sim.arena.eyes.colours import BEAM, WHITE, Colour, colour
-from sim.arena.eyes.digits import draw_number
-from sim.arena.eyes.optics import Floats
-from sim.arena.eyes.texture import Ripmap, blend, planes_of
+from sim.arena.cameras.colours import BEAM, WHITE, Colour, colour
+from sim.arena.cameras.digits import draw_number
+from sim.arena.cameras.optics import Floats
+from sim.arena.cameras.texture import Ripmap, blend, planes_of
 
 BASE_SIZE, TURRET_SIZE = (512, 64), (512, 64)  # texels: once around x the height
 LID = 160  # texels of the base's top, along its diameter

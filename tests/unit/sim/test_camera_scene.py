@@ -5,8 +5,8 @@ import io
 import pytest
 
 from sim.arena.ambient import Ambient
-from sim.arena.eyes.gallery import scene_of
-from sim.arena.eyes.scene import Body, Room, Scene, frame_of, read_frame
+from sim.arena.cameras.scene import Body, Room, Scene, frame_of, read_frame
+from sim.arena.cameras.streams import scene_of
 from sim.arena.floor import BATTLE_FLOOR
 from sim.arena.geometry import Pose
 from sim.arena.world import World

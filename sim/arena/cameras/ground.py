@@ -4,12 +4,12 @@ import math
 
 import numpy as np
 
-from sim.arena.eyes.bodies import Seen
-from sim.arena.eyes.colours import GRID, INNER, OUTER, RING
-from sim.arena.eyes.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, HEIGHT, NEAR, ROWS, Camera, Floats
-from sim.arena.eyes.scene import Room
-from sim.arena.eyes.texture import planes_of
-from sim.arena.eyes.walls import is_outer
+from sim.arena.cameras.bodies import Seen
+from sim.arena.cameras.colours import GRID, INNER, OUTER, RING
+from sim.arena.cameras.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, HEIGHT, NEAR, ROWS, Camera, Floats
+from sim.arena.cameras.scene import Room
+from sim.arena.cameras.texture import planes_of
+from sim.arena.cameras.walls import is_outer
 from sim.arena.geometry import ROBOT_RADIUS, Wall
 
 FIRST = HEIGHT // 2  # row, the first below the horizon

@@ -5,14 +5,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.arena.eyes.cast import meet_disc
-from sim.arena.eyes.colours import BEAM, WHITE, Colour, robot_colour
-from sim.arena.eyes.glow import Glow
-from sim.arena.eyes.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, MIDDLE_X, MIDDLE_Y, NEAR, ROWS, Camera, Floats
-from sim.arena.eyes.paintwork import LID, look_of
-from sim.arena.eyes.scene import Body
-from sim.arena.eyes.texture import Ripmap
-from sim.arena.eyes.upright import GLOW_HAZE, HAZE, Upright
+from sim.arena.cameras.colours import BEAM, WHITE, Colour, robot_colour
+from sim.arena.cameras.glow import Glow
+from sim.arena.cameras.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, MIDDLE_X, MIDDLE_Y, NEAR, ROWS, Camera, Floats
+from sim.arena.cameras.rays import meet_disc
+from sim.arena.cameras.robot_textures import LID, look_of
+from sim.arena.cameras.scene import Body
+from sim.arena.cameras.texture import Ripmap
+from sim.arena.cameras.upright import GLOW_HAZE, HAZE, Upright
 from sim.arena.geometry import ROBOT_RADIUS, wrap
 
 BASE_BOTTOM, BASE_TOP = 0.008, 0.052  # m over the floor

@@ -8,15 +8,15 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from sim.arena.ambient import PRESS_PERIOD
-from sim.arena.eyes.bodies import lamps, paint_robot, seen_of
-from sim.arena.eyes.colours import BEAM, WHITE
-from sim.arena.eyes.glow import BEAM_HEIGHT, Beam, Glow
-from sim.arena.eyes.ground import Ground
-from sim.arena.eyes.hall import Hall
-from sim.arena.eyes.optics import CAMERA_HEIGHT, HEIGHT, WIDTH, Camera, Floats
-from sim.arena.eyes.scene import Body, Room, Scene
-from sim.arena.eyes.timecode import paint_timecode
-from sim.arena.eyes.walls import Walls
+from sim.arena.cameras.backdrop import Backdrop
+from sim.arena.cameras.bodies import lamps, paint_robot, seen_of
+from sim.arena.cameras.colours import BEAM, WHITE
+from sim.arena.cameras.glow import BEAM_HEIGHT, Beam, Glow
+from sim.arena.cameras.ground import Ground
+from sim.arena.cameras.optics import CAMERA_HEIGHT, HEIGHT, WIDTH, Camera, Floats
+from sim.arena.cameras.scene import Body, Room, Scene
+from sim.arena.cameras.timecode import paint_timecode
+from sim.arena.cameras.walls import Walls
 from sim.arena.geometry import EMITTER_OFFSET
 
 QUALITY = 80  # of the JPEG
@@ -28,7 +28,7 @@ class Painter:
     """Paints what is seen in a room. Its textures are painted once, which takes a second."""
 
     def __init__(self, room: Room) -> None:
-        self._hall = Hall(room.ambient)
+        self._backdrop = Backdrop(room.ambient)
         self._ground = Ground(room)
         self._walls = Walls(room)
         self._room = room
@@ -41,7 +41,7 @@ class Painter:
         others = [seen_of(camera, body) for body in scene.robots if body is not me]
         others.sort(key=lambda seen: seen.depth, reverse=True)
         canvas = self._canvas
-        self._hall.paint(canvas, camera)
+        self._backdrop.paint(canvas, camera)
         self._ground.paint(canvas, camera, others)
         hidden = self._walls.paint(canvas, camera)
         for seen in others:

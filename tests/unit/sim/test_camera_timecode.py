@@ -7,9 +7,9 @@ import pytest
 from PIL import Image
 
 from sim.arena.ambient import Ambient
-from sim.arena.eyes.picture import QUALITY, Painter
-from sim.arena.eyes.scene import Body, Room, Scene
-from sim.arena.eyes.timecode import bits_of, paint_timecode
+from sim.arena.cameras.picture import QUALITY, Painter
+from sim.arena.cameras.scene import Body, Room, Scene
+from sim.arena.cameras.timecode import bits_of, paint_timecode
 from sim.arena.floor import BATTLE_FLOOR
 from tests.support.timecode import time_of
 

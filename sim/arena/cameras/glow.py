@@ -5,8 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sim.arena.eyes.colours import BEAM, WHITE, Colour
-from sim.arena.eyes.optics import CAMERA_HEIGHT, FOCAL, HEIGHT, NEAR, WIDTH, Floats, pixel_of
+from sim.arena.cameras.colours import BEAM, WHITE, Colour
+from sim.arena.cameras.optics import CAMERA_HEIGHT, FOCAL, HEIGHT, NEAR, WIDTH, Floats, pixel_of
 
 BEAM_HEIGHT = 0.058  # m, of the emitter over the floor
 BEAM_WIDTH = 0.0015  # m, half of it

@@ -10,7 +10,7 @@ from aiohttp import web
 
 from laser_bot_battle.names import RELAY_HEADER
 from sim.arena.ambient import Ambient
-from sim.arena.eyes.gallery import Eye, Gallery, Picture
+from sim.arena.cameras.streams import Eye, Picture, Streams
 from sim.arena.world import World
 
 MAX_CONNECTIONS = 32  # the relay has one for each robot
@@ -19,33 +19,33 @@ SEND_SECONDS = 5.0  # for one picture; a reader that takes longer is gone
 SNAPSHOT_SECONDS = 20.0  # until there is a picture; the first one takes longest
 BOUNDARY = "boundarydonotcross"  # ustreamer's
 HEADERS = {"Cache-Control": "no-store"}
-EYES = "/eyes/"  # before a robot's name
+CAMERAS = "/eyes/"  # before a robot's name
 
 _log = logging.getLogger(__name__)
 
 
-class EyePages:
+class CameraPages:
     """The paths below /eyes."""
 
     def __init__(self, world: World, ambient: Ambient, timecode: bool) -> None:
         self._world = world
-        self._gallery = Gallery(world, ambient, timecode)
+        self._streams = Streams(world, ambient, timecode)
 
     def add_to(self, app: web.Application) -> None:
-        app.router.add_get(EYES + "{robot}/stream", self._stream)
-        app.router.add_get(EYES + "{robot}/snapshot", self._snapshot)
-        app.cleanup_ctx.append(self._run_gallery)
+        app.router.add_get(CAMERAS + "{robot}/stream", self._stream)
+        app.router.add_get(CAMERAS + "{robot}/snapshot", self._snapshot)
+        app.cleanup_ctx.append(self._run_streams)
         app.on_shutdown.append(self._say_goodbye)  # type: ignore[arg-type]  # typed for an older aiosignal
 
-    async def _run_gallery(self, _app: web.Application) -> AsyncIterator[None]:
-        painting = asyncio.create_task(self._gallery.paint_for_ever())
+    async def _run_streams(self, _app: web.Application) -> AsyncIterator[None]:
+        painting = asyncio.create_task(self._streams.paint_for_ever())
         yield
         painting.cancel()
         with contextlib.suppress(asyncio.CancelledError):
             await painting
 
     async def _say_goodbye(self, _app: web.Application) -> None:
-        self._gallery.close()
+        self._streams.close()
 
     async def _stream(self, request: web.Request) -> web.StreamResponse:
         robot = self._admitted(request)
@@ -92,7 +92,7 @@ class EyePages:
         robot = request.match_info["robot"]
         if robot not in self._world.robots:
             raise self._unknown(robot)
-        if self._gallery.lookers >= MAX_CONNECTIONS:
+        if self._streams.lookers >= MAX_CONNECTIONS:
             raise web.HTTPServiceUnavailable(text=f"{MAX_CONNECTIONS} look already")
         return robot
 
@@ -102,11 +102,11 @@ class EyePages:
 
     @contextlib.contextmanager
     def _looking(self, robot: str) -> Iterator[Eye]:
-        eye = self._gallery.open(robot)
+        eye = self._streams.open(robot)
         try:
             yield eye
         finally:
-            self._gallery.leave(robot, eye)
+            self._streams.leave(robot, eye)
 
     async def _send(self, request: web.Request, stream: web.StreamResponse, data: bytes) -> None:
         async with asyncio.timeout(SEND_SECONDS):
