@@ -1,11 +1,12 @@
-"""What virtual robots' eyes cost: `python3 -m tests.bench.bench_eyes` prints their CPU time.
+"""What virtual robots' cameras cost: `python3 -m tests.bench.bench_cameras` prints their CPU time.
 
-First the painter alone, in this process. Then a whole arena: robots drive, and somebody looks through the eyes of some.
+First the painter alone, in this process. Then a whole arena: robots drive, and some of their cameras are watched.
 `age` is that of a picture when it has been read; `answer` is the time of the slowest twentieth of newcomers from their
 hello to the light that falls on them, which no picture may delay.
 """
 
 import argparse
+import math
 import random
 import statistics
 import threading
@@ -20,14 +21,39 @@ from sim.arena.cameras.picture import Painter
 from sim.arena.cameras.scene import Body, Room, Scene
 from sim.arena.floor import BATTLE_FLOOR
 from tests.bench.bench_rosbridge import cpu_seconds
-from tests.bench.bench_view import driving
 from tests.integration.sim.arena import Arena, Hardware
 from tests.integration.sim.stream import Stream
 from tests.support.polling import until
 
+PERIOD = 0.04  # s between two reports of a robot's wheels, as the firmware's simulator sends them
+SPEED = 41  # half-steps in that time
 SCENES = 200
 EYES = (0, 1, 4, 7)
 ROBOTS = 8
+
+
+@contextmanager
+def driving(robots: list[Hardware]) -> Iterator[None]:
+    """The robots drive in curves meanwhile."""
+    end = threading.Event()
+
+    def drive() -> None:
+        for turn in range(1_000_000):
+            for number, robot in enumerate(robots):
+                bend = 0.6 * math.sin(turn / 30 + number)
+                robot.left -= int(SPEED * (1 - bend))
+                robot.right += int(SPEED * (1 + bend))
+                robot.send(f"wheels {robot.left} {robot.right}")
+            if end.wait(PERIOD):
+                return
+
+    driver = threading.Thread(target=drive)
+    driver.start()
+    try:
+        yield
+    finally:
+        end.set()
+        driver.join()
 
 
 def picture_costs() -> list[tuple[float, float, int]]:
