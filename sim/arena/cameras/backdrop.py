@@ -44,7 +44,6 @@ def _panorama(ambient: Ambient) -> Floats:
     chance = np.random.default_rng(3)
     _stars(draw, chance, width, height)
     _sun(sky, width, height, ambient.sun)
-    _mountains(sky, chance, width, height)
     _towers(sky, chance, width, height)
     if ambient.lamp:
         _lamps(sky, width, height)
@@ -101,20 +100,8 @@ def _moved(picture: Image.Image, x: int) -> Image.Image:
     return Image.fromarray(np.roll(np.asarray(picture), -x, axis=1))
 
 
-def _mountains(sky: Image.Image, chance: np.random.Generator, width: int, height: int) -> None:
-    """To the west, with lines of light along their ridges."""
-    draw = ImageDraw.Draw(sky)
-    for depth, (high, fill, edge) in enumerate(((0.20, "#1a1040", "#7a3dff"), (0.12, "#120a2e", "#2de2ff"))):
-        points = []
-        for x in range(0, width + 1, 56):
-            west = max(0.0, math.cos(math.tau * x / width - math.pi)) ** 0.6
-            points.append((x, height * (1 - high * west * chance.uniform(0.35, 1.0) - 0.01)))
-        draw.polygon([(0, height), *points, (width, height)], fill)
-        draw.line(points, colour(edge).times(0.75 - 0.15 * depth).rgb, 4)
-
-
 def _towers(sky: Image.Image, chance: np.random.Generator, width: int, height: int) -> None:
-    """North and south, with lit windows; lower towards the sun."""
+    """North and south; lower towards the sun."""
     draw = ImageDraw.Draw(sky)
     lights = ("#ffd98a", "#2de2ff", "#ff7de0")
     x = 0.0
@@ -127,11 +114,6 @@ def _towers(sky: Image.Image, chance: np.random.Generator, width: int, height: i
             draw.rectangle((x, top, x + across - 6, height), "#0a0a20")
             edge = lights[int(chance.integers(3))]
             draw.line((x, top, x + across - 6, top), colour(edge).times(0.8).rgb, 3)
-            for row in range(int(top) + 10, height - 6, 13):
-                for column in range(int(x) + 7, int(x + across) - 14, 12):
-                    if chance.uniform() < 0.34:
-                        light = colour(lights[0]).times(chance.uniform(0.3, 0.9))
-                        draw.rectangle((column, row, column + 4, row + 5), light.rgb)
         x += across
 
 

@@ -78,10 +78,7 @@ def _panels(neon: Colour) -> Floats:
         draw.rectangle((left, 0, left + 5, height), "#05070f")
         draw.rectangle((left + 6, 0, left + 9, height), "#3c4d80")
         _inset(draw, (left + 44, 96), (right - 36, height - 96), neon)
-        if panel:
-            _vents(draw, shine, left, height, neon)
-        else:
-            _chevrons(shine, left, height, neon)
+        _chevrons(shine, left, height, neon)
     shine.rectangle((0, 18, width, 42), neon.times(0.9).rgb)
     shine.rectangle((0, 26, width, 34), neon.mixed(WHITE, 0.85).rgb)
     shine.rectangle((0, height - 40, width, height - 32), neon.times(0.55).rgb)
@@ -107,12 +104,3 @@ def _chevrons(shine: ImageDraw.ImageDraw, left: int, height: int, neon: Colour) 
         x, y, size = left + 170 + 74 * step, height // 2 + 6, 46
         corners = [(x - size, y - size), (x, y), (x - size, y + size)]
         shine.line(corners, neon.times(0.25 + 0.15 * step).rgb, 17, joint="curve")
-
-
-def _vents(draw: ImageDraw.ImageDraw, shine: ImageDraw.ImageDraw, left: int, height: int, neon: Colour) -> None:
-    for slit in range(5):
-        y = height // 2 - 66 + 30 * slit
-        draw.rounded_rectangle((left + 120, y, left + 330, y + 13), 6, "#070b17")
-    for lamp in range(3):
-        y = height // 2 - 58 + 52 * lamp
-        shine.ellipse((left + 376, y, left + 400, y + 24), neon.times(0.75 if lamp == 1 else 0.4).rgb)
