@@ -167,7 +167,7 @@ def test_a_ros_master_that_hangs_is_not_noticed_in_a_battle(battle: Demo, player
     ann, bob = players
     with Eyes(battle) as eyes:
         obeyed_until = time.monotonic() + 10
-        with battle.pause("rosmaster"):
+        with battle.pause(r"server\.ros\.master"):
             start(ann, bob)
             before = ann.look()
             hunt_down(ann, bob, eyes, 60)

@@ -155,20 +155,6 @@ def test_a_second_one_on_the_same_master_ends_the_first(own_master: RosMaster) -
     assert second.program.stop(seconds=2) == 0
 
 
-@pytest.mark.slow
-def test_a_master_that_hangs_does_not_end_it_nor_hold_it(own_master: RosMaster) -> None:
-    own_master.start()
-    rosbridge = Rosbridge(own_master)
-    rosbridge.program.wait_for("listening")
-    own_master.pause()
-    try:
-        rosbridge.program.wait_for("does not answer")
-        assert rosbridge.program.stop(signal.SIGTERM, seconds=3) == 0
-    finally:
-        own_master.resume()
-        rosbridge.program.kill()
-
-
 @pytest.mark.slow  # the time is real
 def test_while_the_master_hangs_a_stream_goes_on_though_its_client_subscribes_and_a_new_one_waits_for_a_second(
     own_master: RosMaster,
