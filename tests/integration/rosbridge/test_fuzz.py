@@ -36,7 +36,7 @@ OPERATOR = Role("operator", (("/Robot77/command", COMMAND_TYPE),), ("nobody", ""
 COOKIES = {"player": {"Cookie": "laserbot_session=of-al"}}
 
 # no traceback, and nothing of a client's that would look like a line of its own or fill the log
-LINE = re.compile(r"[-\d]{10} [:,\d]{12} (INFO|WARNING|ERROR) (server|laser_bot_battle)\..{,500}")
+LINE = re.compile(r"[-\d]{10} [:,\d]{12} (INFO|WARNING|ERROR) (server|laser_bot_battle|tcpros)\..{,500}")
 QUESTION = b"are these handled?"
 # of RFC 6455, 7.4.1, in answer to what a client may not send, and to its own end
 REASONS = {1000, 1001, 1002, 1003, 1007, 1008, 1009, 3000}
