@@ -48,8 +48,7 @@ async def _talk(program: Program, settings: Settings, listener: socket.socket) -
         await start_rosapi(rosapi_node, types, clock, settings.globs)
         bridge = Bridge(own_node, types, clock, Gate(settings.operator_token, settings.globs), settings.is_open)
         pages = OwnPages(settings.web_port, settings.origins, own_names())
-        async with WebSocketServer(bridge, listener, pages.identity_of, proxies=settings.proxies) as server:
-            bridge.touch = server.touch
+        async with WebSocketServer(bridge, listener, pages.identity_of, proxies=settings.proxies):
             _log.info("listening on %s port %d", settings.program.bind, settings.program.port)
             if settings.is_open:
                 _log.warning("open: everybody who gets to this port may do everything, and drive every robot")

@@ -72,8 +72,6 @@ class Bridge:
         self._tasks: set[asyncio.Task[None]] = set()
         self._calls: dict[asyncio.Task[None], Client | None] = {}  # of services, by whom
         self._offered = OfferedServices(self._perform)
-        self.touch: Callable[[], None] = lambda: None
-        """called when something comes from ROS"""
         self._ros = ros = Ros(node, types, clock, self._deliver)
         self._performers: dict[type, Callable[[Client | None, Any], object]] = {
             Publish: lambda _, effect: ros.publish(*effect),
@@ -221,7 +219,6 @@ class Bridge:
 
     def _deliver(self, topic: str, message_type: MessageType, data: bytes) -> None:
         """A message from ROS. It is encoded once in each form, however many clients get it."""
-        self.touch()
         if topic == GAME_STATUS:
             try:
                 data = self._hear_referee(data)

@@ -240,8 +240,6 @@ class Connection(asyncio.BufferedProtocol):
         except Exception:  # this client's message, and nobody else's trouble
             _log.exception("%s: a message could not be handled", self.name)
             self.close(CloseCode.INTERNAL_ERROR)
-        finally:
-            self._state.scheduler.handled += messages
         return True
 
     def resume(self) -> None:

@@ -5,8 +5,6 @@ import time
 from collections import deque
 from typing import Protocol
 
-from server.websocket.pace import WINDOW, Pace
-
 # What all workers that are not urgent have together in one turn. One of them may take somewhat longer.
 BUDGET = 0.003  # s
 
@@ -25,23 +23,14 @@ class Scheduler:
     """Of one event loop, for its thread only."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
-        self.handled = 0  # messages since the last turn that ended; who handles them counts them
         self._loop = loop
-        self._pace = Pace()
         self._waiting: deque[Worker] = deque()
         self._spent = 0.0  # s of the budget in this turn
-        self._began = 0.0
         self._ending = False
-
-    def touch(self) -> None:
-        """Something has come. Without load, now and then a turn that ends is enough to notice that load begins."""
-        if self._pace.busy or time.monotonic() - self._began >= WINDOW:
-            self._begin()
 
     def run(self, worker: Worker, urgent: bool) -> bool:
         """Let it work now, if it is urgent or the turn's time is not used up; true when it has nothing left."""
         if urgent:
-            self.touch()
             return worker.work()
         self._begin()
         if self._waiting or self._spent >= BUDGET:
@@ -54,9 +43,9 @@ class Scheduler:
         self._waiting.append(worker)
 
     def _begin(self) -> None:
-        """This is a turn that ends."""
+        """The budget of this turn counts until `_end`."""
         if not self._ending:
-            self._ending, self._began = True, time.monotonic()
+            self._ending = True
             self._loop.call_soon(self._end)
 
     def _measured(self, worker: Worker) -> bool:
@@ -68,16 +57,10 @@ class Scheduler:
 
     def _end(self) -> None:
         """The end of a turn: after all that the sockets had, and before they are asked again."""
-        now = time.monotonic()
-        rest = self._pace.rest(self._began, now, self.handled)
-        self._spent, self.handled = 0.0, 0
+        self._spent, self._ending = 0.0, False
         if not self._waiting:
-            self._ending = False
-            if rest:
-                time.sleep(rest)  # on purpose: whatever could interrupt it is what shall wait
             return
-        self._began = now
-        self._loop.call_soon(self._end)
+        self._begin()
         for _ in range(len(self._waiting)):
             worker = self._waiting.popleft()
             if self._measured(worker):

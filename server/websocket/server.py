@@ -75,11 +75,6 @@ class WebSocketServer:
             await asyncio.wait_for(self._state.empty.wait(), 2 * CLOSE_TIMEOUT)
         await self._server.wait_closed()
 
-    def touch(self) -> None:
-        """A message has come that is not from a WebSocket: it counts for the loop's pace."""
-        self._state.scheduler.touch()
-        self._state.scheduler.handled += 1
-
     def _open(self) -> Opening:
         return Opening(self._state, self._identify)
 
