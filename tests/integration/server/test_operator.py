@@ -126,9 +126,11 @@ def test_what_the_operator_has_decided_outlives_the_server(desk):
     operator.say("names", ban="eve")
     operator.say("message", text="A break")
     operator.say("robots/0", in_service=False)
-    before = operator.get("state")
     until(lambda: operator.get("state")["database"]["waiting"] == 0, 5)
     until(lambda: operator.get("log.json")[-1]["kind"] == "ServiceChanged", 5, "it is written")
+    # the page's log is filled beside the game
+    until(lambda: operator.get("state")["log"][0]["kind"] == "ServiceChanged", 5, "it is shown")
+    before = operator.get("state")
     server.program.kill()
     server.launch()
     server.wait_until_serving()
