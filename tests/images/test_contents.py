@@ -68,11 +68,7 @@ def started(request: pytest.FixtureRequest, version: str, network: str, ros_mast
 def locked(image: str, platform: str) -> set[str]:
     """The names of the packages in the lock."""
     lines = [line.split() for line in (ROOT / f"images/{image}.lock").read_text().splitlines()]
-    return {
-        path.rpartition("/")[2].partition("_")[0]
-        for architecture, path, *_ in lines
-        if architecture == DEBIAN[platform]
-    }
+    return {line[1].rpartition("/")[2].partition("_")[0] for line in lines if line[0] == DEBIAN[platform]}
 
 
 def test_its_program_works(started: Started, figures: list[str]) -> None:

@@ -47,8 +47,9 @@ TRACKER = {
 }
 # golang-1.24 is only linked into one of them
 LOCK = """\
+# snapshot 20261126T022231Z
 amd64 pool/main/d/dash/dash_0.5.12-12_amd64.deb 0 1
-amd64 pool/main/o/openssl/libssl3t64_3.5.1-1_amd64.deb 0 1
+amd64 pool/updates/main/o/openssl/libssl3t64_3.5.1-1_amd64.deb 0 1
 """
 NPM = {"vulnerabilities": {"ws": {"name": "ws", "via": [{"url": "https://github.com/advisories/GHSA-aaaa"}, "x"]}}}
 PIP = {"dependencies": [{"name": "flask", "version": "1", "vulns": [{"id": "PYSEC-2026-1", "fix_versions": ["2"]}]}]}
@@ -67,7 +68,15 @@ def project(tmp_path: Path) -> Path:
     (tmp_path / ".venv/bin/debsbom").symlink_to(ROOT / ".venv/bin/debsbom")
     says(tmp_path, "npm", NPM)
     says(tmp_path, "pip-audit", PIP)
+    archive(tmp_path, "nginx 1.26.3-3+deb13u10 -> 1.26.3-3+deb13u11 (security update): webserver", code=1)
     return tmp_path
+
+
+def archive(project: Path, answer: str, *, code: int) -> None:
+    """What comes of the question for newer packages."""
+    path = project / "ci/images-lock"
+    path.write_text(f"#!/bin/sh\necho '{answer}'{' >&2' if code == 2 else ''}\nexit {code}\n")
+    path.chmod(0o755)
 
 
 def says(project: Path, tool: str, answer: object) -> None:
@@ -92,8 +101,10 @@ def test_what_is_mended_elsewhere_is_found_and_what_is_accepted_passes(project: 
     assert code == 1
     assert "Python: PYSEC-2026-1 flask 1" in lines
     assert "page: GHSA-aaaa ws" in lines
-    assert [line for line in lines if "CVE" in line] == ["Debian: CVE-2026-0001 openssl@3.5.1-1"]
-    accept(project, *(f"{one} tests only" for one in ("PYSEC-2026-1", "GHSA-aaaa", "CVE-2026-0001", "GONE-1")))
+    newer = "nginx 1.26.3-3+deb13u10 -> 1.26.3-3+deb13u11 (security update): webserver"
+    assert f"Debian's archive: {newer}" in lines
+    assert [line for line in lines if "CVE" in line] == ["Debian's tracker: CVE-2026-0001 openssl@3.5.1-1"]
+    accept(project, *(f"{one} tests only" for one in ("PYSEC-2026-1", "GHSA-aaaa", "nginx", "CVE-2026-0001", "GONE-1")))
     code, lines = audit(project)
     assert code == 0
     assert "page: GHSA-aaaa ws: accepted, tests only" in lines
@@ -103,13 +114,15 @@ def test_what_is_mended_elsewhere_is_found_and_what_is_accepted_passes(project: 
 def test_a_database_that_cannot_be_asked_is_no_pass(project: Path) -> None:
     says(project, "npm", {"message": "405 Method Not Allowed", "error": {}})
     says(project, "pip-audit", {"dependencies": [{"name": "flask", "skip_reason": "not to be found"}]})
+    archive(project, "lock: the archive could not be asked", code=2)
     shutil.rmtree(project / "build/sbom")
     code, lines = audit(project)
     assert code == 2
     assert lines == [
         "Python: NOT CHECKED: not to be found",
         "page: NOT CHECKED: 405 Method Not Allowed",
-        "Debian: NOT CHECKED: build/sbom is empty: run ci/images",
+        "Debian's archive: NOT CHECKED: lock: the archive could not be asked",
+        "Debian's tracker: NOT CHECKED: build/sbom is empty: run ci/images",
     ]
 
 
@@ -119,4 +132,4 @@ def test_a_missing_tool_and_broken_data_are_no_pass(project: Path) -> None:
     code, lines = audit(project)
     assert code == 2
     assert any(line.startswith("Python: NOT CHECKED: ") for line in lines)
-    assert any(line.startswith("Debian: NOT CHECKED: ") for line in lines)
+    assert any(line.startswith("Debian's tracker: NOT CHECKED: ") for line in lines)
