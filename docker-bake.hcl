@@ -1,8 +1,16 @@
-# The images and their platforms. ci/images prepares what this needs and calls it.
-variable "VERSION" { default = "0" }
+# The images and their platforms.
+#   docker buildx bake demo   what the demo needs, for this engine's own platform
+#   docker buildx bake        all images for all platforms (an engine with containerd's image store)
+#   ci/images                 the same on Debian, from what it has fetched outside of the build; lists what is inside
+variable "VERSION" { default = "1.0.0" } # as compose.yaml asks for
 variable "REVISION" { default = "" }
 variable "SOURCE" { default = "" }
-variable "SOURCE_DATE_EPOCH" { default = "0" }
+variable "SOURCE_DATE_EPOCH" { default = "0" } # of all that is made here: the same sources give the same images
+# where Debian's packages come from, if not from where Debian's own image has them: images/fetch
+variable "DEBIAN_MIRROR" { default = "" }
+variable "DEBIAN_SECURITY_MIRROR" { default = "" }
+variable "DEBIAN_SNAPSHOT" { default = "" }
+variable "LOCKED" { default = "" }
 # true: only for the platforms on which `make test` starts the images
 variable "FEWER_PLATFORMS" { default = false }
 
@@ -11,11 +19,13 @@ group "default" { targets = ["webserver", "rosberry", "sim", "monitoring"] }
 target "image" {
   context    = "."
   dockerfile = "images/Dockerfile"
-  contexts = {
-    base     = "docker-image://localhost/laserbot/base:trixie"
-    packages = "build/packages"
+  args = {
+    SOURCE_DATE_EPOCH      = SOURCE_DATE_EPOCH
+    DEBIAN_MIRROR          = DEBIAN_MIRROR
+    DEBIAN_SECURITY_MIRROR = DEBIAN_SECURITY_MIRROR
+    DEBIAN_SNAPSHOT        = DEBIAN_SNAPSHOT
+    LOCKED                 = LOCKED
   }
-  args = { SOURCE_DATE_EPOCH = SOURCE_DATE_EPOCH }
   labels = {
     "org.opencontainers.image.licenses" = "BSD-3-Clause"
     "org.opencontainers.image.revision" = REVISION
@@ -62,4 +72,11 @@ target "monitoring" {
   labels    = { "org.opencontainers.image.title" = "LaserBot Battle: Prometheus and Alertmanager" }
   platforms = FEWER_PLATFORMS ? ["linux/arm64"] : ["linux/amd64", "linux/arm64"]
   tags      = ["monitoring:${VERSION}"]
+}
+
+target "demo" {
+  name      = "demo-${image}"
+  matrix    = { image = ["webserver", "rosberry", "sim"] }
+  inherits  = [image]
+  platforms = [] # that of the engine
 }
