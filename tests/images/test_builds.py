@@ -1,12 +1,14 @@
-"""The same sources give the same images, wherever and whenever they are built."""
+"""The same sources give the same images, wherever, whenever and with whatever they are built."""
 
 import os
 import shutil
 import subprocess
 import time
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from docker.errors import APIError, ImageNotFound
 
 from tests.images.conftest import build
 from tests.support.containers import engine, run
@@ -35,16 +37,31 @@ def test_the_same_sources_give_the_same_images(version: str, figures: list[str])
     assert digests() == before
 
 
-def bake(sources: Path, tag: str, **variables: str) -> float:
-    """Build all images of the sources in another folder, under another tag; s that it took."""
-    tags = [f"--set={image}.tags={image}:{tag}" for image in IMAGES]
+def build_with(command: list[str], sources: Path, **variables: str) -> float:
+    """Build all images of the sources in another folder; s that it took."""
     began = time.monotonic()
     result = subprocess.run(
-        [ROOT / "ci/bake", "--progress=plain", f"--set=*.context={sources}", *tags],
-        env={**os.environ, **variables}, cwd=ROOT, capture_output=True, text=True, check=False,
-    )  # fmt: skip
+        command, env={**os.environ, **variables}, cwd=sources, capture_output=True, text=True, check=False
+    )
     assert result.returncode == 0, result.stderr
     return time.monotonic() - began
+
+
+def tags(tag: str) -> list[str]:
+    return [f"--set={image}.tags={image}:{tag}" for image in IMAGES]
+
+
+def bake(sources: Path, tag: str, **variables: str) -> float:
+    """As ci/images does, from what it has prepared, under another tag."""
+    command = [str(ROOT / "ci/bake"), "--progress=plain", f"--set=*.context={sources}", *tags(tag)]
+    return build_with(command, ROOT, **variables)
+
+
+def said_of_sources(version: str) -> dict[str, str]:
+    """What an image says of the sources, as variables of a build."""
+    labels = engine().images.get(f"webserver:{version}").labels
+    said = {name: labels[f"org.opencontainers.image.{name.lower()}"] for name in ("VERSION", "REVISION", "SOURCE")}
+    return {**said, "SOURCE_DATE_EPOCH": run(f"webserver:{version}", "linux/amd64", "cat", "date").strip()}
 
 
 @pytest.fixture
@@ -61,13 +78,45 @@ def checkout(tmp_path: Path) -> Path:
 
 
 def test_another_checkout_of_the_same_sources_gives_the_same_images(version: str, checkout: Path) -> None:
-    labels = engine().images.get(f"webserver:{version}").labels
-    said = {name: labels[f"org.opencontainers.image.{name.lower()}"] for name in ("VERSION", "REVISION", "SOURCE")}
-    date = run(f"webserver:{version}", "linux/amd64", "cat", "date").strip()
-    bake(checkout, "copy", SOURCE_DATE_EPOCH=date, **said)
+    bake(checkout, "copy", **said_of_sources(version))
     for image in IMAGES:
         assert image_id(f"{image}:{version}") == image_id(f"{image}:copy"), image
     forget("copy")
+
+
+@pytest.fixture
+def debian() -> Iterator[None]:
+    """Debian's own image. Where no registry can be reached, ours stands for it, with this machine's certificates."""
+    images, name = engine().images, "debian:trixie-slim"
+    try:
+        images.get(name)
+    except ImageNotFound:
+        try:
+            images.pull(name)
+        except APIError:
+            certificates = Path("/usr/local/share/ca-certificates")
+            certificates.mkdir(exist_ok=True)
+            dockerfile = f"FROM localhost/laserbot/base:trixie\nCOPY . {certificates}\n"
+            command = ["docker", "build", "--quiet", f"--tag={name}", "--file=-", str(certificates)]
+            subprocess.run(command, input=dockerfile, text=True, check=True, capture_output=True)
+            yield
+            images.remove(name)
+            return
+    yield
+
+
+@pytest.mark.usefixtures("debian")
+def test_docker_alone_gives_the_same_images(version: str, figures: list[str], checkout: Path) -> None:
+    shutil.rmtree(checkout / "server/static/bundle")
+    command = ["docker", "buildx", "bake", "--progress=plain", *tags("alone")]
+    took = build_with(command, checkout, LOCKED="1", **said_of_sources(version))
+    figures.append(f"build of all images for all platforms with Docker alone: {took:.0f} s, downloads included")
+    for image in IMAGES:
+        assert image_id(f"{image}:{version}") == image_id(f"{image}:alone"), image
+    forget("alone")
+    compose = ["docker", "compose", "--profile=demo", "--profile=robot", "--profile=camera", "--profile=monitoring"]
+    build_with([*compose, "build"], checkout, LASERBOT_VERSION="composed")
+    forget("composed")
 
 
 def test_the_date_of_the_files_is_that_of_this_build_whatever_was_built_before(version: str, checkout: Path) -> None:

@@ -35,7 +35,7 @@ class Archive:
             def do_GET(self) -> None:
                 archive.answer(self)
 
-            def log_message(self, format: str, *args: object) -> None:
+            def log_message(self, *_: object) -> None:
                 pass
 
         self._server = ThreadingHTTPServer(("127.0.0.1", 0), Handler)
