@@ -48,10 +48,12 @@ def fleet() -> Fleet:
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     rows: dict[str, dict[str, str]] = defaultdict(dict)
+    told = []
     for outcome, mark in (("passed", "ok"), ("failed", "FAILED"), ("error", "FAILED")):
         for report in terminalreporter.getreports(outcome):
             test, _, host = report.nodeid.rpartition("::")[2].partition("[")
             rows[test][host.partition("]")[0]] = mark
+            told += [f"{host.partition(']')[0]}: {what}: {value}" for what, value in report.user_properties]
     hosts = sorted({host for row in rows.values() for host in row if host})
     if not hosts:
         return
@@ -64,3 +66,5 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
         terminalreporter.write_line(
             " ".join([name.ljust(width), *(row.get(host, everywhere or "-").ljust(len(host)) for host in hosts)])
         )
+    for line in sorted(told):
+        terminalreporter.write_line(line)

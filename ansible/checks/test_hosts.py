@@ -3,6 +3,7 @@
 import re
 import shlex
 import subprocess
+from collections.abc import Callable
 
 import pytest
 
@@ -67,6 +68,17 @@ def test_a_robot_finds_the_master_by_its_arenas_name(fleet: Fleet, robot: Machin
     found = robot.run("docker exec laserbot-robot python3 -m robot.find").splitlines()
     assert any(fleet.master.arena in line for line in found), found
     assert any(fleet.master.address in line for line in found), found
+
+
+def test_apt_knows_which_security_updates_are_open(
+    machine: Machine, record_property: Callable[[str, object], None]
+) -> None:
+    """As of the host's last `apt-get update`, of each day where it reaches an archive."""
+    lines = machine.run("LC_ALL=C apt-get --simulate -o Debug::NoLocking=true upgrade").splitlines()
+    assert any("not upgraded" in line for line in lines), lines
+    updates = [line.split()[1] for line in lines if line.startswith("Inst ") and "Debian-Security:" in line]
+    if updates:
+        record_property("open security updates", " ".join(updates))
 
 
 def test_the_clocks_agree(fleet: Fleet, machine: Machine) -> None:
