@@ -50,6 +50,23 @@ def test_a_registry_gets_every_platform_under_one_name(version: str, registry: R
     assert not [name for name in local if registry.place in name], "the engine keeps no second name"
 
 
+def test_compose_takes_the_images_of_a_registry_and_builds_none(version: str, registry: Registry) -> None:
+    """What it built would have another date, and so another digest."""
+    build(PUSH=registry.place)
+    compose = ["docker", "compose", "--project-name=laserbot-test-registry", "--profile=demo"]
+    environment = {**os.environ, "LASERBOT_IMAGES": f"{registry.place}/", "LASERBOT_VERSION": version}
+    try:
+        made = subprocess.run(
+            [*compose, "create"], cwd=ROOT, env=environment, capture_output=True, text=True, check=False
+        )
+        assert made.returncode == 0, made.stderr
+        for image in ("webserver", "rosberry", "sim"):
+            pulled = engine().images.get(f"{registry.place}/{image}:{version}")
+            assert pulled.id == engine().images.get(f"{image}:{version}").id
+    finally:
+        subprocess.run([*compose, "down", "--rmi=all", "--volumes"], cwd=ROOT, env=environment, check=False)
+
+
 @pytest.fixture
 def folder() -> Iterator[Path]:
     """Where the first engine's store is: an engine cannot use every file system, such as that of a temporary folder."""
