@@ -2,7 +2,8 @@
 """The ROS side of a lab, a process of its own, as other people's programs are: topics, services, actions and tf.
 
 `/lab/echo` tells all that `/lab/say` has heard, once it was the word END. Services: `/lab/set_bool`; `/lab/ask` calls
-the client's `/client/set_bool`, `/lab/act` gives the client's `/client/action` a goal. Action server: `/lab/action`.
+the client's `/client/set_bool`, `/lab/act` gives the client's `/client/action` a goal, and `/lab/acted` answers when
+feedback has come. Action server: `/lab/action`.
 tf: `/tf`, and what tf2_web_republisher has to offer. Prints "ready".
 """
 
@@ -61,8 +62,10 @@ def serve_services() -> object:
         answer = rospy.ServiceProxy("/client/set_bool", SetBool)(True)
         return TriggerResponse(answer.success, answer.message)
 
+    feedback: list[int] = []
+
     def act(_: Trigger) -> TriggerResponse:
-        feedback: list[int] = []
+        feedback.clear()
         client = actionlib.SimpleActionClient("/client/action", TestAction)
         reached = client.wait_for_server(rospy.Duration(5))
         # rospy's own numbers count connections that are only being made, too
@@ -71,9 +74,20 @@ def serve_services() -> object:
         client.send_goal(TestGoal(GOAL), feedback_cb=lambda message: feedback.append(message.feedback))
         client.wait_for_result(rospy.Duration(5))
         result = client.get_result()
-        return TriggerResponse(reached, json.dumps([feedback, client.get_state(), result and result.result]))
+        return TriggerResponse(
+            reached, json.dumps([sorted(set(feedback)), client.get_state(), result and result.result])
+        )
 
-    services = {"/lab/set_bool": (SetBool, set_bool), "/lab/ask": (Trigger, ask), "/lab/act": (Trigger, act)}
+    def acted(_: Trigger) -> TriggerResponse:
+        until(lambda: feedback, what="feedback of the goal")
+        return TriggerResponse(True, "")
+
+    services = {
+        "/lab/set_bool": (SetBool, set_bool),
+        "/lab/ask": (Trigger, ask),
+        "/lab/act": (Trigger, act),
+        "/lab/acted": (Trigger, acted),
+    }
     return [rospy.Service(name, kind, answer) for name, (kind, answer) in services.items()]
 
 

@@ -65,10 +65,12 @@ tell("action", await run(counter, { goal: 3 }, () => {}));
 tell("cancelled", (await run(counter, { goal: 200 }, (goal) => goal.cancel()))[1]);
 
 const server = new ROSLIB.SimpleActionServer({ ros, serverName: "/client/action", actionName: "actionlib/TestAction" });
-server.on("goal", (goal) => {
+server.on("goal", async (goal) => {
   // actionlib's client takes no feedback before its send_goal() has returned
-  setTimeout(() => server.sendFeedback({ feedback: 1 }), 200);
-  setTimeout(() => server.setSucceeded({ result: goal.goal }), 400);
+  const repeated = setInterval(() => server.sendFeedback({ feedback: 1 }), 100);
+  await call("/lab/acted", "std_srvs/Trigger", {});
+  clearInterval(repeated);
+  server.setSucceeded({ result: goal.goal });
 });
 tell("acts", JSON.parse((await call("/lab/act", "std_srvs/Trigger", {})).message));
 
