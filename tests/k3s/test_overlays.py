@@ -204,3 +204,20 @@ def test_what_an_arena_requests_is_what_the_readme_reckons_with() -> None:
     )
     assert said
     assert [float(number) for number in said.groups()] == [cores / 1000, memory, robot[0] / 1000, robot[1]]
+
+
+@pytest.mark.parametrize(
+    ("name", "components"), [("lan", ("camera", "front", "monitoring", "leaderboard")), ("sim", ())]
+)
+def test_one_line_names_the_registry_of_all_images(
+    name: str, components: tuple[str, ...], customize: Customize
+) -> None:
+    before = customize(name, *components)
+    registry = {"name": "registry", "literals": ["address=registry.example:5000/laserbot"]}
+    after = customize(name, *components, "registry", configMapGenerator=[registry])
+    assert [container["image"] for _, container in after.containers] == [
+        container["image"]
+        if container["image"].startswith("postgres:")
+        else f"registry.example:5000/laserbot/{container['image']}"
+        for _, container in before.containers
+    ]
