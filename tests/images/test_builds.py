@@ -85,7 +85,7 @@ def test_another_checkout_of_the_same_sources_gives_the_same_images(version: str
 
 
 @pytest.fixture
-def debian() -> Iterator[None]:
+def debian(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """Debian's own image. Where no registry can be reached, ours stands for it, with this machine's certificates."""
     images, name = engine().images, "debian:trixie-slim"
     try:
@@ -94,11 +94,12 @@ def debian() -> Iterator[None]:
         try:
             images.pull(name)
         except APIError:
-            certificates = Path("/usr/local/share/ca-certificates")
-            certificates.mkdir(exist_ok=True)
-            dockerfile = f"FROM localhost/laserbot/base:trixie\nCOPY . {certificates}\n"
-            command = ["docker", "build", "--quiet", f"--tag={name}", "--file=-", str(certificates)]
-            subprocess.run(command, input=dockerfile, text=True, check=True, capture_output=True)
+            folder, certificates = tmp_path_factory.mktemp("debian"), "usr/local/share/ca-certificates"
+            (folder / "own").mkdir()
+            for file in Path("/", certificates).glob("*.crt"):
+                shutil.copy(file, folder / "own")
+            (folder / "Dockerfile").write_text(f"FROM localhost/laserbot/base:trixie\nCOPY own /{certificates}\n")
+            subprocess.run(["docker", "build", "--quiet", f"--tag={name}", folder], check=True, capture_output=True)
             yield
             images.remove(name)
             return

@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import docker
 import pytest
@@ -65,6 +66,52 @@ def test_compose_takes_the_images_of_a_registry_and_builds_none(version: str, re
             assert pulled.id == engine().images.get(f"{image}:{version}").id
     finally:
         subprocess.run([*compose, "down", "--rmi=all", "--volumes"], cwd=ROOT, env=environment, check=False)
+
+
+SCANNER = "docker/buildkit-syft-scanner:stable-1"
+SCAN = """\
+names=$(sed -n 's/^Package: //p' "$BUILDKIT_SCAN_SOURCE/var/lib/dpkg/status")
+packages=$(for name in $names; do echo "{\\"name\\": \\"$name\\"}"; done | paste -sd ,)
+echo "{\\"predicateType\\": \\"https://spdx.dev/Document\\", \\"predicate\\": {\\"packages\\": [$packages]}}" \
+    >"$BUILDKIT_SCAN_DESTINATION/sbom.spdx.json"
+"""
+
+
+@pytest.fixture
+def scanner(tmp_path: Path) -> Iterator[None]:
+    """What lists an attested image's contents. If no registry has it, one for Debian's packages stands for it."""
+    try:
+        engine().images.pull(SCANNER)
+        yield
+    except docker.errors.APIError:
+        (tmp_path / "scan").write_text(SCAN)
+        (tmp_path / "Dockerfile").write_text('FROM localhost/laserbot/base:trixie\nCOPY scan /\nCMD ["sh", "/scan"]\n')
+        subprocess.run(["docker", "build", "--quiet", f"--tag={SCANNER}", tmp_path], check=True, capture_output=True)
+        yield
+        engine().images.remove(SCANNER)
+
+
+@pytest.mark.usefixtures("scanner")
+def test_a_release_attests_how_it_was_built_and_what_is_inside(version: str, registry: Registry) -> None:
+    def inspect(tag: str, what: str) -> Any:
+        command = ["docker", "buildx", "imagetools", "inspect", f"{registry.place}/rosberry:{tag}"]
+        done = subprocess.run([*command, f"--format={{{{json {what}}}}}"], capture_output=True, text=True, check=True)
+        return json.loads(done.stdout)
+
+    def layers(tag: str) -> dict[str, list[str]]:
+        return {platform: image["rootfs"]["diff_ids"] for platform, image in inspect(tag, ".Image").items()}
+
+    build("rosberry", PUSH=registry.place)
+    plain = layers(version)
+    try:
+        build("rosberry", PUSH=registry.place, TAGS="2.3.4 2.3 latest", ATTEST="1")
+    finally:
+        build("rosberry")  # as the other tests expect it
+    for tag in ("2.3.4", "2.3", "latest"):
+        assert layers(tag) == plain
+    for platform in platforms("rosberry"):
+        assert inspect("latest", ".Provenance")[platform]["SLSA"]["buildType"]
+        assert {"name": "python3-minimal"} in inspect("latest", ".SBOM")[platform]["SPDX"]["packages"]
 
 
 @pytest.fixture

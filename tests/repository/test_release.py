@@ -54,6 +54,14 @@ def test_a_release_is_firmware_lists_of_contents_notes_and_checksums(built: Path
     assert files["notes.md"].read_text().split() == ["-", "New."]
 
 
+@pytest.mark.parametrize(("version", "tags"), [("2.3.4", "2.3.4 2.3 latest"), ("2.3.4-rc1", "2.3.4-rc1")])
+def test_the_images_of_a_release_also_have_its_series_as_a_tag(built: Path, version: str, tags: str) -> None:
+    (built / "laser_bot_battle/package.xml").write_text(f"<package>\n  <version>{version}</version>\n</package>\n")
+    command = [str(built / "ci/release"), "--tags", f"v{version}"]
+    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.split() == tags.split()
+    assert not (built / "build/release").exists()
+
+
 @pytest.mark.parametrize(
     ("tag", "missing", "complaint"),
     [
