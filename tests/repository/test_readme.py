@@ -74,4 +74,6 @@ def test_compose_passes_ros_variables_to_robots_and_the_address_to_their_master(
 def test_there_is_one_version() -> None:
     assert set(re.findall(r"LASERBOT_VERSION:-([^}]+)}", COMPOSE)) == {version()}
     assert json.loads((ROOT / "package.json").read_text())["version"] == version()
+    bake = (ROOT / "docker-bake.hcl").read_text()
+    assert re.findall(r'variable "VERSION" { default = "(.*)" }', bake) == [version()]
     assert json.loads((ROOT / "package-lock.json").read_text())["version"] == version()
