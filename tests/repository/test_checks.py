@@ -11,6 +11,7 @@ import yaml
 
 from tests.support.programs import ROOT
 
+WRITES = {"release": {"contents", "packages"}, "locks": {"actions", "contents", "pull-requests"}}
 WORKFLOWS = sorted((ROOT / ".github/workflows").glob("*.yml"))
 LINTERS = subprocess.run([ROOT / "ci/lint", "--list"], capture_output=True, text=True, check=True).stdout.split()
 # where a linter's version is pinned; shellcheck is Debian's
@@ -135,7 +136,7 @@ def test_a_workflow_has_no_permissions_but_those_of_its_jobs(path: Path) -> None
     assert workflow["permissions"] == {}
     for name, job in workflow["jobs"].items():
         writing = {right for right, access in job["permissions"].items() if access != "read"}
-        assert writing == ({"contents", "packages"} if name == "release" else set())
+        assert writing == WRITES.get(name, set())
 
 
 @pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
@@ -160,7 +161,41 @@ def test_the_workflows_run_make_test_and_before_a_release_everything() -> None:
     assert release["release"]["needs"] == "test"
 
 
-def test_the_workflow_runs_every_week() -> None:
-    workflow = load(ROOT / ".github/workflows/ci.yml")
+@pytest.mark.parametrize("name", ["ci", "packages"])
+def test_the_workflow_runs_every_week(name: str) -> None:
+    workflow = load(ROOT / f".github/workflows/{name}.yml")
     (schedule,) = workflow[True]["schedule"]  # YAML reads the word "on" as true
     assert re.fullmatch(r"\d+ \d+ \* \* [0-6]", schedule["cron"])
+
+
+@pytest.mark.parametrize("is_newer", [True, False])
+def test_newer_packages_are_proposed_once(tmp_path: Path, is_newer: bool) -> None:
+    (job,) = load(ROOT / ".github/workflows/packages.yml")["jobs"].values()
+    (propose,) = (step["run"] for step in job["steps"] if step.get("name") == "Propose it")
+    work = tmp_path / "work"
+    for folder in ("images", "build"):
+        (work / folder).mkdir(parents=True)
+    (work / "images/sim.lock").write_text("old")
+    (work / "build/changes.txt").write_text("nginx 1 -> 2 (security update): webserver\n" if is_newer else "")
+    (tmp_path / "gh").write_text('#!/bin/sh\necho "$1 $2" >>"$CALLS"\n[ "$1 $2" != "pr create" ] || exit 1\n')
+    (tmp_path / "gh").chmod(0o755)
+    calls = tmp_path / "calls"
+    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}", "CALLS": str(calls)}
+
+    def run(*words: str) -> str:
+        return subprocess.run(words, cwd=work, env=environment, check=True, capture_output=True, text=True).stdout
+
+    run("git", "init", "--quiet", "--bare", str(tmp_path / "origin"))
+    run("git", "init", "--quiet")
+    run("git", "remote", "add", "origin", str(tmp_path / "origin"))
+    run("git", "add", "images")
+    run("git", "-c", "user.name=x", "-c", "user.email=x", "commit", "--quiet", "--message", "x")
+    if is_newer:
+        (work / "images/sim.lock").write_text("new")
+    run("sh", "-e", "-c", propose)
+    if is_newer:  # and there is a pull request from last week
+        assert calls.read_text().splitlines() == ["auth setup-git", "pr create", "pr edit", "workflow run"]
+        message = run("git", f"--git-dir={tmp_path / 'origin'}", "log", "-1", "--format=%B", "packages")
+        assert message.startswith("images: Take Debian's newer packages\n\nnginx 1 -> 2 (security update): webserver")
+    else:
+        assert not calls.exists()
