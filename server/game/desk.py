@@ -98,7 +98,7 @@ def sign_out(state: State, _rules: Rules, by: str, name: str) -> list[Event]:
 
 
 def ban(state: State, _rules: Rules, by: str, name: str) -> list[Event]:
-    """Nobody may take that name any more; who has it is signed out. ValueError if it is no name."""
+    """Nobody may take that name any more; whoever has it is signed out. ValueError if it is no name."""
     name = unicodedata.normalize("NFC", name)
     if not is_valid_name(name):
         raise ValueError("that is no name that a player could have")

@@ -20,7 +20,7 @@ def ranks(users: Iterable[User]) -> list[tuple[Rank, User]]:
     """The players, best first; equals keep their order.
 
     Who fights alone stands as `User.standing` says. A team stands as one: the living by the life that is left to all
-    of them, then the others by when their last one fell or left, the latest first. Who has left alive stands behind
+    of them, then the others by when their last one fell or left, the latest first. Whoever left alive ranks behind
     all teams, by when that was.
     """
     everybody = list(users)

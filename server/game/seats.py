@@ -70,7 +70,7 @@ def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left |
 
 
 def seat_ends(state: State, rules: Rules) -> dict[str, float]:
-    """Which players lose their seats if nothing changes, and when: for each who waits without an offer, one who is not
+    """Which players lose their seats if nothing changes, and when: for each person waiting without an offer, one who is not
     ready, the longest idle first, and of equal ones the last in the ranking."""
     if state.game is Game.PLAYING:
         return {}

@@ -35,7 +35,7 @@ class Drivers:
         return self._stop([t for t, (last, _) in self._moving.items() if last is client and topic in (None, t)])
 
     def stop_refused(self, gate: Gate, now: float) -> list[Publish]:
-        """Who may no longer drive is stopped."""
+        """Stops whoever may no longer drive."""
         return self._stop([t for t, (_, who) in self._moving.items() if gate.refuses_publishing(who, t, now)])
 
     def stop_all(self) -> list[Publish]:

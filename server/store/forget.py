@@ -61,7 +61,7 @@ def find_forgotten(connection: Connection, saved: Mapping[str, Any], arena: str)
     shooters = {one["by"] for one in saved.get("happened", ())}
     remembered = (_names(saved, "result", "leavers", "happened") | shooters) - _names(
         saved, "users", "queue"
-    )  # who is here, is here anew
+    )  # whoever is here counts as new
     by_digest = {_digest(name): name for name in remembered} if rows else {}
     found = {by_digest[row.digest]: _neutral(row.id) for row in rows if row.digest in by_digest}
     for row in rows:

@@ -34,7 +34,7 @@ def visitor_mark() -> str:
 
 
 class SignUps:
-    """Sign-ups by address. Who plays on this machine itself, as in a demo, waits for nothing."""
+    """Sign-ups by address. Visitors on this machine itself, as in a demo, wait for nothing."""
 
     def __init__(self) -> None:
         self._buckets = TokenBuckets(AT_ONCE, PERIOD)

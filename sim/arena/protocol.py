@@ -16,7 +16,7 @@ r"""The link between a robot's hardware and the arena: ASCII lines, each ended b
 
 Cycles are of the source's own clock, 16 a microsecond. Sources are numbers from 0 to 15. Whoever sees the first edge of
 one after a pause sees the others as much later as they were in its time. During a packet a robot tells each ms how its
-carrier is, and who sees it waits for that: so a packet is seen as it was, however late the robots' programs are.
+carrier is, and whoever sees it waits for that: so a packet is seen as it was, however late the robots' programs are.
 """
 
 import re

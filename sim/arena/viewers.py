@@ -1,4 +1,4 @@
-"""Who looks at the arena, and how often each gets a state: seldom for onlookers of a crowd, always for drivers."""
+"""The arena's viewers, and how often each gets a state: seldom for onlookers of a crowd, always for drivers."""
 
 import asyncio
 from dataclasses import dataclass, field

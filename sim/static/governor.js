@@ -11,7 +11,7 @@ export const LEVELS = [
   { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, pictures: 30 },
   { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, pictures: 15 },
 ];
-const REDUCED = 2; // the level of who wants few effects
+const REDUCED = 2; // the level of visitors who want few effects
 
 const SLOW = 20.5; // ms between two pictures, on average; a screen of 50 Hz is not slow
 const WINDOW = 1000; // ms that are judged together

@@ -34,7 +34,7 @@ PRESSES = 200
 HITS = 50
 SHOTS_APART = 0.6  # s; a shooter can fire once in 0.5 s
 MARKS = 15  # of a packet
-DARKNESS = 4000  # us; who sees a packet waits for news until it is certain that this is its end
+DARKNESS = 4000  # us; a robot that sees a packet waits for news until it is certain that this is its end
 CUTS = 10
 STILL = 0.15  # s without a step = standing
 

@@ -217,7 +217,7 @@ class RosSide:
         until(self._publisher.get_num_connections, what=f"the subscription of {topic}")
 
     def publish(self, rate: float, seconds: float) -> list[float]:
-        """At once, never by a queue: who does not keep up slows the publisher down. Returns when each was sent."""
+        """At once, never by a queue: one that does not keep up slows the publisher down. Returns when each was sent."""
         assert self._publisher
         sent = []
         for number in paced(rate, seconds):

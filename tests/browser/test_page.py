@@ -152,7 +152,7 @@ def test_the_keyboard_is_enough_from_the_login_to_the_way_out(person: Callable[[
         ann.hold((1, 0, True))
         expect(page.locator("#pilot")).to_have_attribute("data-held", re.compile("up shoot|shoot up"))
         ann.hold((0, 0, False))
-        expect(sound, "who has clicked it goes on shooting").to_have_attribute("aria-pressed", is_on)
+        expect(sound, "whoever has clicked it goes on shooting").to_have_attribute("aria-pressed", is_on)
         for button in (".user-button", "#sign-out"):
             go_to(page, button)
             page.keyboard.press("Enter")

@@ -144,7 +144,7 @@ def test_after_a_crash_of_ros_everything_comes_back_by_restarts_alone(battle: Cl
     until(all_again, 60, "the master's other programs end by themselves")
     battle.wait_until_ready(120)
 
-    # who is ready has not registered with the new master yet
+    # a robot that is ready has not registered with the new master yet
     until(lambda: a_bot_waits(battle), 60, "a new battle can begin")
     with Player(battle, "Bea") as bea:
         assert bea.ready() == "OK"

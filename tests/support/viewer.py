@@ -1,4 +1,4 @@
-"""Who looks through the cameras' relay, on a bare socket: cheap enough for a crowd (docs/protocol-camera.md)."""
+"""A viewer at the cameras' relay, on a bare socket: cheap enough for a crowd (docs/protocol-camera.md)."""
 
 import json
 import select

@@ -1,4 +1,4 @@
-"""Who looks through which robot's eyes: pictures are painted for them, RATE a second, and for nobody else."""
+"""The viewers of each robot's eyes: pictures are painted for them, RATE a second, and for nobody else."""
 
 import asyncio
 import logging

@@ -1,4 +1,4 @@
-"""Cameras that are away, sick, or none: viewers are told why, others do not notice, and who is well again is found."""
+"""Cameras that are away, sick, or none: viewers are told why, others do not notice, and recovered ones are found."""
 
 import time
 from collections.abc import Callable

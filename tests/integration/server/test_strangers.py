@@ -247,7 +247,7 @@ def test_128_names_displace_no_robots_id_and_are_offered_to_nobody(server: GameS
     until(lambda: "robot 0 is gone" in log_of(server), 10)
     ids = register(server, 0, 140)
     assert 0 not in ids
-    assert len(set(ids) - {None}) == 127 or None not in ids, "who is silent has made room for the next"
+    assert len(set(ids) - {None}) == 127 or None not in ids, "the silent have made room for the next"
     assert server.post("getAvailableRobots")["availableR"] == 0
     assert server.robot("a").id == 0
 

@@ -89,7 +89,7 @@ test("a hidden tab was not slow", () => {
   assert.equal(governor.level, 0);
 });
 
-test("who wants all effects has them, who wants few never has more", () => {
+test("a visitor who wants all effects has them, one who wants few never has more", () => {
   governor.mode = "full";
   draw(10, SLOW);
   assert.equal(governor.level, 0);

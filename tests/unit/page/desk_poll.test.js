@@ -67,7 +67,7 @@ test("after a failure it tells since when there was no answer, and goes on", asy
   assert.deepEqual(told, [{ battle: 1 }, [50_000, "no"], [50_000, "no"], { battle: 2 }]);
 });
 
-test("who is not signed in is told once, and nothing more is asked", async () => {
+test("a visitor who is not signed in is told once, and nothing more is asked", async () => {
   answer = failing(401);
   await poll.tick(false);
   now += INTERVAL;

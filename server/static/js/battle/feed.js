@@ -15,7 +15,7 @@ import { teamsOf } from "./teams.js";
  * @property {number|null} avatar
  * @property {number|null} life after it
  * @property {number|null} robot
- * @property {{name: string, avatar: number|null}|null} by who has shot, for "hit" and "out"; null: the light does not tell
+ * @property {{name: string, avatar: number|null}|null} by the shooter, for "hit" and "out"; null: the light does not tell
  * @property {string[]} winners who have won, for "end"
  * @property {number[]} teams that have won, for "end"; none: everybody has fought alone
  */

@@ -17,7 +17,7 @@ const TONES = {
  * A change in words.
  * @param {import("./feed.js").Change} change
  * @returns {{text: string, avatar: number|null, victim: number|null, tone: "alert"|"good"|"hit"|"out"|"win"|"calm"}}
- *   `victim`: the second picture, of who was hit by the one of the first
+ *   `victim`: the second picture, of the one whom the first has hit
  */
 export function feedEntry({ kind, name, avatar, life, by, winners, teams }) {
   const tone = TONES[kind] ?? "calm";

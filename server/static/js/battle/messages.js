@@ -19,7 +19,7 @@
  * @typedef {object} Hit
  * @property {number} number grows from hit to hit
  * @property {string} name who was hit
- * @property {string} by who has shot; empty: the light does not tell
+ * @property {string} by the shooter; empty: the light does not tell
  * @property {number} life that is left
  *
  * @typedef {object} Status

@@ -1,4 +1,4 @@
-// The words for who waits for a robot. Pure.
+// The words for those who wait for a robot. Pure.
 
 import { t } from "../common/words.js";
 

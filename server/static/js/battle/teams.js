@@ -18,7 +18,7 @@ export const arenaColour = (team) => ARENA[team - 1];
 export const byTeam = (users) => users.toSorted((one, other) => (one.team || MOST_TEAMS + 1) - (other.team || MOST_TEAMS + 1));
 
 /**
- * A result in which the places of teams are counted, not those of fighters; without teams, as it was. Who has left a
+ * A result in which the places of teams are counted, not those of fighters; without teams, as it was. Whoever has left a
  * team that still fights has no part in its place.
  * @param {Player[]} result best first
  * @returns {Player[]}

@@ -1,9 +1,9 @@
-// How old a camera's picture is, and what that means for who drives by it. Pure.
+// How old a camera's picture is, and what that means for whoever drives by it. Pure.
 
 import { number, t } from "../common/words.js";
 
 const NOTICEABLE = 0.3; // s
-const STALE = 1; // s; who drives by such a picture drives blind
+const STALE = 1; // s; whoever drives by such a picture drives blind
 
 /**
  * @param {number} age of the picture on the screen, in s

@@ -41,7 +41,7 @@ export async function gameStatus() {
 }
 
 /**
- * Whose the session cookie is: {status: "OK", user, robot, ticket}; of who waits for a robot, {status: "QUEUED", user,
+ * Whose the session cookie is: {status: "OK", user, robot, ticket}; of somebody who waits for a robot, {status: "QUEUED", user,
  * place, offer, seconds} (see queue.js); or {status: "UNREGISTERED"}.
  */
 export async function session() {

@@ -93,7 +93,7 @@ const voltText = (millivolts) => `${number(Math.round(millivolts / 10) / 100)} V
 
 const RESETS = ["power on", "reset pin", "supply too low", "watchdog"]; // by bit, as in BoardHealth.msg
 
-/** All that a robot says of itself, for who looks closer; as the log, in English. */
+/** All that a robot says about itself, for a closer look; in English, like the log. */
 export function healthDetails(health) {
   if (health === null) return "";
   const { board, age, cpu } = health;

@@ -1,4 +1,4 @@
-// What the stage shows of a hit: a cross in its middle for who has hit, and for who was hit, whose shot it was.
+// What the stage shows of a hit: to the shooter a cross in its middle, to the victim whose shot it was.
 
 import { avatarUrl } from "../common/assets.js";
 import { setPicture, setText } from "../common/dom.js";

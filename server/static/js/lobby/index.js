@@ -93,7 +93,7 @@ function showQueue(session) {
   take.hidden = session.offer === null;
 }
 
-/** Who is still signed in from this browser may go on, or give the robot back. What the server does not know any more is forgotten. */
+/** A player who is still signed in from this browser may go on, or give the robot back. What the server no longer knows is forgotten. */
 async function offerRestore() {
   const session = await api.session().catch(() => null);
   if (!session || busy) return;

@@ -11,7 +11,7 @@ import { percent, t } from "../common/words.js";
 const METALS = ["gold", "silver", "bronze"];
 
 /**
- * Who stands on which step, teams as one. Ties share one, and the place after them stays empty; who has left early
+ * Who stands on which step, teams as one. Ties share one, and the place after them stays empty; whoever left early
  * stands on none.
  * @param {Player[]} result best first
  * @returns {{steps: {metal: "gold"|"silver"|"bronze", place: number, players: Player[]}[], rest: Player[]}}
@@ -90,7 +90,7 @@ function restView(rest, me, coded) {
   return list;
 }
 
-/** What there is to say of a player: who has hit how often, and taken how many out, if the light has told it. */
+/** What there is to say about a player: hits and opponents taken out, if the light has told them. */
 function notesOf({ left, life, shots, hits, kills }, coded) {
   const end = left ? t("podium.left") : t("podium.life", { life: percent(life) });
   return [end, coded && shots > 0 && t("podium.shots", { hits, shots }), coded && kills > 0 && t("podium.kills", { n: kills })].filter(Boolean);
