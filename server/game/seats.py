@@ -70,8 +70,8 @@ def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left |
 
 
 def seat_ends(state: State, rules: Rules) -> dict[str, float]:
-    """Which players lose their seats if nothing changes, and when: for each person waiting without an offer, one who is not
-    ready, the longest idle first, and of equal ones the last in the ranking."""
+    """Which players lose their seats if nothing changes, and when: one for each person in the queue without an offer,
+    of those who are not ready, the longest idle first, and of equal ones the last in the ranking."""
     if state.game is Game.PLAYING:
         return {}
     waiting = sorted(one.since for one in state.queue if one.offer is None)
