@@ -17,6 +17,7 @@ import secrets
 import signal
 import sys
 import time
+from collections.abc import Iterator
 
 from robot.installed import missing_explained, require
 
@@ -72,10 +73,9 @@ def main() -> int:
     parser.parse_args([word for word in sys.argv[1:] if ":=" not in word])
     settings = Settings.load(PROGRAM)
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell starts background programs with it ignored
-    # as SIGINT: while an event loop runs, asyncio makes a cancellation of that, and raises nothing in the middle of it
-    signal.signal(signal.SIGTERM, lambda *_: signal.raise_signal(signal.SIGINT))
+    signal.signal(signal.SIGTERM, interrupt_once)
     try:
-        with contextlib.closing(MasterLocation(settings)) as location, status_led(settings.led) as led:
+        with contextlib.closing(MasterLocation(settings)) as location, status_led(settings.led) as led, ending_once():
             while True:
                 _log.info("Starting service client ...")
                 try:
@@ -87,6 +87,23 @@ def main() -> int:
     except KeyboardInterrupt:
         _log.info("ending")
     return 0
+
+
+def interrupt_once(*_: object) -> None:
+    """As SIGINT: while an event loop runs, asyncio makes a cancellation of the first and raises
+    the second in the middle of it."""
+    signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    signal.raise_signal(signal.SIGINT)
+
+
+@contextlib.contextmanager
+def ending_once() -> Iterator[None]:
+    """Once it is left, signals no longer matter: the program ends anyway, and nothing is left half ended."""
+    try:
+        yield
+    finally:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
 
 
 def run_robot(settings: Settings, location: MasterLocation, led: Indication) -> None:
