@@ -179,7 +179,9 @@ def test_the_readmes_example_changes_what_it_says(tmp_path: Path) -> None:
         for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
         if (content := yaml.safe_load(block)).get("kind") == "Kustomization"
     )
-    example["resources"] = [os.path.relpath(ROOT / "k3s/overlays/lan", tmp_path)]
+    up = os.path.relpath(ROOT, tmp_path)
+    for field in ("resources", "components"):
+        example[field] = [path.replace("../laser_bot_battle", up) for path in example[field]]
     (tmp_path / "kustomization.yaml").write_text(yaml.safe_dump(example))
     changed = Manifests(tmp_path)
     settings = changed.config("settings")
