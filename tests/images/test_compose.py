@@ -136,7 +136,7 @@ def test_after_a_crash_of_ros_everybody_finds_the_way_back(
 @pytest.mark.slow
 def test_a_bot_that_crashes_plays_again(version: str, battle: ComposeBattle) -> None:
     until(lambda: available(battle) == 2, 60, "two free robots")
-    battle.compose("up", "--detach", "--pull=never", "--scale", "bot1=1", "bot1")
+    battle.compose("up", "--detach", "--pull=never", "--no-build", "--scale", "bot1=1", "bot1")
     with Player(battle, "Fay") as fay:
         until(lambda: fay.user("Bot1"), 20, "the bot has signed in")
         battle.crash("bot1")

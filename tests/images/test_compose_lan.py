@@ -78,7 +78,7 @@ class Machine:
 
     def __enter__(self) -> Self:
         try:
-            self.compose("up", "--detach", "--pull=never")
+            self.compose("up", "--detach", "--pull=never", "--no-build")
         except AssertionError:
             self.__exit__()
             raise

@@ -83,7 +83,7 @@ class ComposeBattle:
 
     def __enter__(self) -> Self:
         try:
-            self.compose("up", "--detach", "--pull=never", "--scale", f"bot1={self._bots}")
+            self.compose("up", "--detach", "--pull=never", "--no-build", "--scale", f"bot1={self._bots}")
             self.wait_until_healthy(120)
         except AssertionError:
             self.__exit__()
