@@ -32,7 +32,7 @@ def test_the_same_sources_give_the_same_images(version: str, figures: list[str])
         return [image_id(f"{name}:{version}") for name in IMAGES]
 
     before = digests()
-    took = build(NO_CACHE="1")
+    took = build(NO_CACHE="1", LOCKED="1")
     figures.append(f"cold build of all images for all platforms: {took:.0f} s (webserver and rosberry: budget 300 s)")
     assert digests() == before
 
