@@ -28,6 +28,7 @@ class Archive:
         self.folder = folder
         self.asked: Counter[str] = Counter()
         self.has_snapshots, self.pause, self.busy, self.wrong = True, 0.0, 0, False
+        self.breaks_off = ""  # in the middle of what is below that address
         self.dates: dict[str, float] = {}
         archive = self
 
@@ -66,6 +67,8 @@ class Archive:
         request.send_response(200)
         request.send_header("Content-Length", str(len(content)))
         request.end_headers()
+        if self.breaks_off and request.path.startswith(self.breaks_off):
+            content = content[: len(content) // 2]
         request.wfile.write(content)
 
     def add(self, name: str, version: str, *, place: str = "debian", suite: str = "trixie") -> str:
@@ -184,6 +187,15 @@ def test_what_the_archive_has_lost_comes_from_its_snapshots(project: Project, tr
     project.archive.asked.clear()
     assert project.fetch().returncode == 0
     assert not project.archive.asked, "what is here is not asked for again"
+
+
+@pytest.mark.parametrize(("breaks_off", "code"), [("/debian/", 0), ("/", 1)], ids=["archive", "both"])
+def test_the_beginning_of_a_file_is_no_package(project: Project, breaks_off: str, code: int) -> None:
+    project.archive.breaks_off = breaks_off
+    assert project.fetch(LOCKED="1").returncode == code
+    wanted = {line.split()[2] for line in project.lock.read_text().splitlines()[1:]}
+    pool = project.folder / "build/packages/pool"
+    assert {hashlib.sha256(deb.read_bytes()).hexdigest() for deb in pool.glob("*.deb")} == (set() if code else wanted)
 
 
 @pytest.mark.parametrize("trouble", [{"has_snapshots": False}, {"wrong": True}], ids=["none", "wrong"])
