@@ -219,9 +219,37 @@ def test_where_no_snapshot_has_it_a_build_goes_on_with_todays_versions(
     assert "Going on with today's versions (build/lock)" in done.stderr
     assert project.laid_out() == TODAY
     assert project.lock.read_text() == lock
-    project.archive.asked.clear()
+
+
+def test_a_build_takes_the_lock_again_as_soon_as_it_can_be_had(project: Project) -> None:
+    project.archive.has_snapshots = False
     assert project.fetch().returncode == 0
-    assert not project.archive.asked, "the lock of its own serves the next build, too"
+    assert project.fetch(LOCKED="1").returncode == 1
+    project.archive.has_snapshots = True
+    assert project.fetch().returncode == 0
+    assert project.laid_out() == OLD
+
+
+def test_todays_versions_are_chosen_once_a_day(project: Project) -> None:
+    def build() -> bool:
+        """Has it asked for lists?"""
+        project.archive.asked.clear()
+        done = project.fetch()
+        assert done.returncode == 0, done.stderr
+        assert project.laid_out() == TODAY
+        return any("/dists/" in path for path in project.archive.asked)
+
+    chosen, yesterday = project.folder / "build/lock/tools.lock", time.time() - 86400
+    project.archive.has_snapshots = False
+    assert build()
+    assert not build()
+    os.utime(project.folder / "images/tools.packages")
+    assert build(), "for what the image is made of now"
+    os.utime(project.folder / "images/tools.packages", (yesterday - 1, yesterday - 1))
+    os.utime(chosen, (yesterday, yesterday))
+    assert build()
+    project.archive.close()
+    assert not build()
 
 
 def test_a_new_lock_ends_the_one_that_replaced_it(project: Project) -> None:
