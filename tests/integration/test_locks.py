@@ -90,9 +90,9 @@ class Archive:
             file.write(f"{control}Filename: {pool}\nSize: {len(content)}\nSHA256: {digest}\n\n")
         return f"{pool} {digest} {len(content)}"
 
-    def publish(self) -> None:
-        """Its lists, as of a day before the snapshot."""
-        date = formatdate(1795573351, usegmt=True)
+    def publish(self, later: int = 0) -> None:
+        """Its lists, as of a day before the snapshot, or so many seconds later."""
+        date = formatdate(1795573351 + later, usegmt=True)
         for place, suite in (
             ("debian", "trixie"),
             ("debian", "trixie-updates"),
@@ -285,6 +285,20 @@ def test_a_new_lock_says_what_has_changed_and_what_is_a_security_update(project:
     assert (check.returncode, check.stdout) == (0, "")
     assert project.fetch(LOCKED="1").returncode == 0
     assert project.laid_out() == TODAY
+
+
+def test_a_lock_stays_when_only_other_packages_have_changed(project: Project) -> None:
+    assert project.run("ci/images-lock", "tools").returncode == 0
+    lock = project.lock.read_text()
+    project.archive.add("epsilon", "1")
+    project.archive.publish(later=3600)
+    done = project.run("ci/images-lock", "tools")
+    assert (done.returncode, done.stdout) == (0, "")
+    assert project.lock.read_text() == lock
+    project.archive.add("delta", "2")
+    project.archive.publish(later=7200)
+    assert project.run("ci/images-lock", "tools").returncode == 0
+    assert project.lock.read_text().splitlines()[0] == "# snapshot 20261126T042231Z"
 
 
 def test_an_archive_that_cannot_be_asked_is_no_answer(project: Project) -> None:
