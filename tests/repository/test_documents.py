@@ -43,6 +43,15 @@ def test_profiles_and_playbooks_that_are_named_exist() -> None:
             assert (ROOT / "ansible" / playbook).exists(), command
 
 
+def test_all_ways_of_building_take_the_variables_of_the_packages() -> None:
+    names = {row["variable"] for row in table(page("images.md"), "Debian's packages")}
+    services = yaml.safe_load((ROOT / "compose.yaml").read_text())["services"].values()
+    for built in (service["build"]["args"] for service in services if "build" in service):
+        assert built == {"IMAGE": built["IMAGE"], **{name: f"${{{name}:-}}" for name in names}}
+    bake = (ROOT / "docker-bake.hcl").read_text()
+    assert names <= set(re.findall(r"^    (\w+) += \1$", bake, re.MULTILINE))
+
+
 def test_make_alone_lists_the_targets() -> None:
     result = make()
     assert result.returncode == 0
