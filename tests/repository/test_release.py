@@ -54,11 +54,29 @@ def test_a_release_is_firmware_lists_of_contents_notes_and_checksums(built: Path
     assert files["notes.md"].read_text().split() == ["-", "New."]
 
 
-@pytest.mark.parametrize(("version", "tags"), [("2.3.4", "2.3.4 2.3 latest"), ("2.3.4-rc1", "2.3.4-rc1")])
-def test_the_images_of_a_release_also_have_its_series_as_a_tag(built: Path, version: str, tags: str) -> None:
+@pytest.mark.parametrize(
+    ("version", "released", "tags"),
+    [
+        ("2.3.4", "2.3.4 2.3.3 2.2.10 2.3.4-rc1", "2.3.4 2.3 latest"),
+        ("2.3.10", "2.3.10 2.3.9 2.4.0-rc1", "2.3.10 2.3 latest"),
+        ("2.3.4", "2.3.4 2.31.0", "2.3.4 2.3"),
+        ("2.3.4", "2.3.4 2.3.5", "2.3.4"),
+        ("2.3.4-rc1", "2.3.4-rc1 2.3.3", "2.3.4-rc1"),
+    ],
+)
+def test_the_highest_images_of_a_series_have_its_tag_and_the_highest_of_all_are_the_latest(
+    built: Path, version: str, released: str, tags: str
+) -> None:
     (built / "laser_bot_battle/package.xml").write_text(f"<package>\n  <version>{version}</version>\n</package>\n")
-    command = [str(built / "ci/release"), "--tags", f"v{version}"]
-    assert subprocess.run(command, capture_output=True, text=True, check=True).stdout.split() == tags.split()
+
+    def run(*words: str) -> str:
+        return subprocess.run(words, cwd=built, capture_output=True, text=True, check=True).stdout
+
+    run("git", "init", "--quiet")
+    run("git", "-c", "user.name=x", "-c", "user.email=x", "commit", "--quiet", "--allow-empty", "--message", "x")
+    for tagged in released.split():
+        run("git", "tag", f"v{tagged}")
+    assert run("ci/release", "--tags", f"v{version}").split() == tags.split()
     assert not (built / "build/release").exists()
 
 
