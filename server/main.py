@@ -38,7 +38,9 @@ from server.web.metrics import metrics
 from server.web.operator import create_operator
 from server.web.operator_access import Access
 from server.web.operator_api import create_operator_api
+from server.web.pages_process import PagesProcess
 from server.web.pulse import Pulse
+from server.web.routes import OwnRoutes
 from server.web.settings import VARIABLES, Settings
 from server.web.watch import create_watch
 
@@ -88,15 +90,16 @@ def _game(program: Program, settings: Settings, listener: socket.socket) -> Iter
     channels: dict[int, wasyncore.dispatcher] = {}
     access = Access(settings.operator_token)
     desk = create_operator_api(game, settings, access, database, log, health=health, identify=commands.identify)
-    watch = create_watch(game, settings, health)
-    app = create_app(game, settings, watch, create_operator(access), desk)
-    web = FairServer(app, listener, channels)
+    pages = PagesProcess()
+    app = create_app(game, settings, create_watch(game, health), create_operator(access), desk, pages=pages)
+    web = FairServer(app, listener, channels, OwnRoutes(app).lane, settings.proxies)
     game.add_listener(Pulse(web).follow)
     game.start()
     program.start_thread("hits", hits.run)
     program.start_thread("commands", commands.run)
     program.start_thread("health", reports.run)
     program.start_thread("presence", presence.run)
+    program.start_thread("pages", pages.run)
     serving = program.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.program.bind, settings.program.port)
     owner = Owner(lambda: metrics(game, health, hits.told(), lambda: database.problem), lambda: _missing(game))
@@ -110,6 +113,7 @@ def _game(program: Program, settings: Settings, listener: socket.socket) -> Iter
         with suppress(OSError):  # the loop was awake, and has closed the trigger before it was pulled
             web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
         serving.join(_CLOSE_WITHIN)
+        pages.stop()
         for robots in (hits, commands, reports):
             robots.stop()
         presence.stop()

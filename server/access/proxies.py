@@ -10,6 +10,7 @@ Network = IPv4Network | IPv6Network
 
 FORWARDED = "X-Forwarded-For"  # a list to which each proxy adds whose request it passes on
 SCHEME = "X-Forwarded-Proto"
+THIS_MACHINE = ("127.0.0.1", "::1")
 
 
 def visitor(peer: str, forwarded: str | None, proxies: Sequence[Network]) -> str:
@@ -25,7 +26,7 @@ def visitor(peer: str, forwarded: str | None, proxies: Sequence[Network]) -> str
 def believed(environ: Mapping[str, str]) -> tuple[Network, ...]:
     """The proxies that the operator names, and those on this machine. SettingsError for an impossible value."""
     bind = variables.BIND.read(environ)
-    own = ["127.0.0.1", "::1"]
+    own = [*THIS_MACHINE]
     with suppress(ValueError):  # a name
         own.append(str(ip_address(bind)))
     return (*(ip_network(address) for address in own), *variables.PROXIES.read(environ))

@@ -18,8 +18,8 @@ from server.store.fighters import read_courses
 from server.store.track import join
 
 MAX_PLAYERS = 500  # in a leaderboard
-_READERS = 2  # at a time: the other threads of the web server are for the game
-_TURN_WITHIN = 0.5  # s to wait for one's turn
+_READERS = 2  # at a time: a database that is away does not hold up the pages that need none
+_TURN_WITHIN = 2.0  # s to wait for one's turn
 _BUSY = 1.0  # s that a query may wait for a program that holds the file
 
 
@@ -95,7 +95,12 @@ class Results:
 
     def __init__(self, url: URL) -> None:
         self._engine = _reader(url)
+        self._files = _files(url)
         self._turns = threading.BoundedSemaphore(_READERS)
+
+    def mark(self) -> object:
+        """What is another one after each change; None where that is not known."""
+        return tuple(map(_look, self._files)) or None
 
     def battles(self, page: int, size: int) -> tuple[list[Battle], int]:
         """Those of a page, newest first (page 1 has the newest), and how many there are in all."""
@@ -231,6 +236,21 @@ def _running(connection: Connection) -> set[int]:
         if last and last.ended is None and now == (Game.PLAYING, last.number):
             found.add(last.id)
     return found
+
+
+def _files(url: URL) -> list[Path]:
+    """Which change with SQLite's database: the file, and what it is about to get."""
+    if url.get_backend_name() != "sqlite" or not url.database:
+        return []
+    return [Path(url.database), Path(f"{url.database}-wal")]
+
+
+def _look(file: Path) -> tuple[int, int, int] | None:
+    try:
+        seen = file.stat()
+    except OSError:
+        return None
+    return seen.st_ino, seen.st_size, seen.st_mtime_ns
 
 
 def _reader(url: URL) -> Engine:

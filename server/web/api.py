@@ -15,6 +15,7 @@ from typing import Any, NoReturn
 
 from flask import Blueprint, Response, abort, make_response, request
 from jinja2.utils import htmlsafe_json_dumps
+from werkzeug.wrappers import Request
 
 from laser_bot_battle.addresses import machine_of
 from laser_bot_battle.names import SESSION_COOKIE, Game, session_digest, session_ticket
@@ -24,6 +25,8 @@ from server.game.referee import Verdict
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.users import AVATARS, MAX_NAME, is_reserved_name, is_valid_name
 from server.web.visitors import SignUps, is_secure, visitor_address, visitor_mark
+
+API = "api"  # the blueprint's name
 
 _log = logging.getLogger(__name__)
 
@@ -35,8 +38,8 @@ _FLAG = {"0": False, "1": True}
 
 
 def create_api(game: GameLoop) -> Blueprint:
-    """The routes, as a Flask blueprint named `api`."""
-    api = Blueprint("api", __name__)
+    """The routes, as a Flask blueprint."""
+    api = Blueprint(API, __name__)
     _add_sign_up(api, game)
     _add_seats(api, game)
     _add_battle(api, game)
@@ -218,6 +221,11 @@ def _response(text: str, http_status: int = 200) -> Response:
 
 def cookie_session() -> str | None:
     """The SHA-256 (hex) of the session token that the request brings, None without one."""
+    return session_of(request)
+
+
+def session_of(request: Request) -> str | None:
+    """The same, of that request."""
     token = request.cookies.get(SESSION_COOKIE)
     return session_digest(token) if token else None
 

@@ -1,18 +1,20 @@
-"""The web application (manual 3.1.3): pages, error pages and the rules that hold for every request."""
+"""The web applications (manual 3.1.3): the game's own, and what it has in common with that of the pages."""
 
-from flask import Blueprint, Flask, Response, abort, make_response, redirect, render_template, request
+from collections.abc import Iterable
+from wsgiref.types import StartResponse, WSGIApplication, WSGIEnvironment
+
+from flask import Blueprint, Flask, Response, abort, make_response, render_template, request
 from werkzeug.exceptions import HTTPException, MethodNotAllowed, NotFound
-from werkzeug.wrappers import Response as WerkzeugResponse
+from werkzeug.wrappers import Request
 
 from laser_bot_battle.hosts import policy_source
 from laser_bot_battle.names import FRONT_HEADER
 from server.game.loop import GameLoop
-from server.store.results import Results
 from server.web import operator_api
-from server.web.api import cookie_session, create_api, reply
-from server.web.assets import asset, compress_page, with_assets
+from server.web.api import API, create_api, reply, session_of
+from server.web.assets import asset, compress_page
 from server.web.hosts import request_host, with_valid_host
-from server.web.results import create_results
+from server.web.routes import OwnRoutes
 from server.web.settings import Settings
 from server.web.visitors import PROXIES
 from server.web.words import add_words
@@ -20,32 +22,32 @@ from server.web.words import add_words
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
 
 
-def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
-    """The WSGI application that serves `game`, with `more` routes than those of players and robots."""
+def create_app(game: GameLoop, settings: Settings, *more: Blueprint, pages: WSGIApplication) -> Flask:
+    """The WSGI application that serves `game`, with `more` routes than those of players and robots; for all other
+    requests it asks `pages`."""
+    app = create_base(settings, create_api(game), *more)
+    own = OwnRoutes(app)
+    answer = app.wsgi_app
+
+    def answer_or_ask(environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
+        session = session_of(Request(environ))
+        if session is not None:
+            game.seen(session)  # a sign of life
+        chosen = answer if own.has(environ["PATH_INFO"]) else pages
+        return chosen(environ, start_response)
+
+    app.wsgi_app = with_valid_host(answer_or_ask)  # type: ignore[assignment, method-assign]
+    return app
+
+
+def create_base(settings: Settings, *routes: Blueprint) -> Flask:
+    """An application with these routes, and the rules that hold for every request."""
     app = Flask(__name__, static_folder=None)
     app.config[PROXIES] = settings.proxies
     app.jinja_env.globals["asset"] = asset
     add_words(app)
-    api = create_api(game)
-    for blueprint in (api, create_results(Results(settings.database)), *more):
+    for blueprint in routes:
         app.register_blueprint(blueprint)
-    app.wsgi_app = with_valid_host(with_assets(app.wsgi_app))  # type: ignore[assignment, method-assign]
-
-    @app.get("/")
-    def index() -> str:
-        return render_template("index.html")
-
-    @app.get("/home")
-    def home() -> str:
-        return render_template("home.html")
-
-    @app.get("/about")
-    def about() -> str:
-        return render_template("about.html")
-
-    @app.get("/favicon.ico")
-    def favicon() -> WerkzeugResponse:
-        return redirect(asset("img/favicon.png"))
 
     @app.context_processor
     def page_variables() -> dict[str, object]:
@@ -71,26 +73,20 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
         if (request.content_length or 0) > limit:
             abort(413)
 
-    @app.before_request
-    def note_sign_of_life() -> None:
-        session = cookie_session()
-        if session is not None:
-            game.seen(session)
-
     @app.after_request
     def set_headers(response: Response) -> Response:
         headers = response.headers
         headers.setdefault("Content-Security-Policy", _page_policy(settings, request_host()))
         headers["X-Content-Type-Options"] = "nosniff"
         headers["Referrer-Policy"] = "same-origin"
-        headers["Cache-Control"] = "no-store"
+        headers.setdefault("Cache-Control", "no-store")
         # what pages ask for all the time would cost more to compress than it saves
-        return response if request.blueprint == api.name else compress_page(response)
+        return response if request.blueprint == API else compress_page(response)
 
     @app.errorhandler(HTTPException)
     def explain(error: HTTPException) -> Response:
         """A themed page for people (404, 405, 500); JSON for what is wrong with a call of the API."""
-        is_page = isinstance(error, NotFound | MethodNotAllowed) or request.blueprint != api.name
+        is_page = isinstance(error, NotFound | MethodNotAllowed) or request.blueprint != API
         if is_page and not _is_operators():
             return _error_page(error)
         response = _refuse(error.code or 500, error.description or error.name)

@@ -11,7 +11,7 @@ from flask import Response, request
 from whitenoise import WhiteNoise
 
 _BUNDLE = Path(__file__).resolve().parents[1] / "static" / "bundle"
-_PREFIX = "/static/"
+STATIC = "/static/"
 _HASHED = r"-[0-9A-Z]{8}\."
 _LEVEL = 6  # of gzip: a page takes half a millisecond, and level 9 makes it no smaller
 
@@ -27,7 +27,7 @@ def _manifest() -> dict[str, str]:
 
 def asset(name: str) -> str:
     """The address of a file of server/static, such as "css/common.css" or "js/game/home.js". KeyError: it has none."""
-    return _PREFIX + _manifest()[name]
+    return STATIC + _manifest()[name]
 
 
 def with_assets(application: WSGIApplication) -> WSGIApplication:
@@ -39,7 +39,7 @@ def with_assets(application: WSGIApplication) -> WSGIApplication:
     files: WSGIApplication = WhiteNoise(
         application,
         root=_BUNDLE,
-        prefix=_PREFIX,
+        prefix=STATIC,
         immutable_file_test=_HASHED,
         allow_all_origins=False,
         add_headers_function=add_headers,

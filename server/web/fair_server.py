@@ -1,13 +1,13 @@
 """waitress with fair shares: whoever opens sockets and says nothing cannot lock the others out.
 
 waitress takes no connection while all its places are in use, and forgets a silent one after minutes. Here a newcomer
-always gets a place: when all are taken, the address that has the most loses the one of them that has waited longest
-for a complete request. A request that is not complete in time is not waited for.
+always gets a place: an address that has more than its share, or the one that has the most when all are taken, loses the
+one of them that has waited longest for a complete request. A request that is not complete in time is not waited for.
 """
 
 import socket
 import time
-from collections import Counter
+from collections.abc import Callable, Sequence
 from typing import Any
 from wsgiref.types import WSGIApplication
 
@@ -15,13 +15,17 @@ from waitress.adjustments import Adjustments
 from waitress.channel import HTTPChannel
 from waitress.parser import HTTPRequestParser, ParsingError
 from waitress.server import TcpWSGIServer
-from waitress.task import ThreadedTaskDispatcher
+
+from server.access.proxies import FORWARDED, THIS_MACHINE, Network, is_proxy, visitor
+from server.web.lanes import Lane, Lanes, Task
 
 PLACES = 500  # connections
+SHARE = 100  # of one address that is no proxy
 REQUEST_WITHIN = 10.0  # s from the first byte, or from the connection, to the whole request
 _IDLE = 30  # s without a further request
+_AT_ONCE = 50  # connections that are taken in a turn of the loop
 _SPARE = 50  # files of waitress' own, and connections that are just being closed
-_THREADS = 8
+_FORWARDED = FORWARDED.upper().replace("-", "_")  # as waitress calls it
 
 
 class _Parser(HTTPRequestParser):  # type: ignore[misc]
@@ -47,6 +51,10 @@ class _Channel(HTTPChannel):  # type: ignore[misc]
     def address(self) -> str:
         return str(self.addr[0])
 
+    def del_channel(self, map: dict[int, Any] | None = None) -> None:  # noqa: A002 - waitress' name
+        super().del_channel(map)
+        self.server.forget(self)
+
     @property
     def is_idle(self) -> bool:
         """No request is being answered."""
@@ -71,13 +79,19 @@ class _Channel(HTTPChannel):  # type: ignore[misc]
 
 class FairServer(TcpWSGIServer):  # type: ignore[misc]
     """Serves `application` on `listener`, a bound socket, once `run` is called. `channels` is waitress' map of all that
-    the loop looks after."""
+    the loop looks after; `lane` says which lane a request is in, by its method and path."""
 
     channel_class = _Channel
 
-    def __init__(self, application: WSGIApplication, listener: socket.socket, channels: dict[int, Any]) -> None:
+    def __init__(
+        self,
+        application: WSGIApplication,
+        listener: socket.socket,
+        channels: dict[int, Any],
+        lane: Callable[[str, str], Lane],
+        proxies: Sequence[Network] = (),
+    ) -> None:
         adjustments = Adjustments(
-            threads=_THREADS,
             connection_limit=PLACES + _SPARE,
             channel_timeout=_IDLE,
             cleanup_interval=1,
@@ -87,24 +101,58 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
             clear_untrusted_proxy_headers=False,  # the application knows which proxies are believed
             log_socket_errors=False,  # a visitor who goes away is no failure of ours
         )
-        workers = ThreadedTaskDispatcher()
-        workers.set_thread_count(_THREADS)
+        self._lane, self._proxies = lane, proxies
+        self._channels_of: dict[str, dict[_Channel, None]] = {}  # by address
+        self._has_come = False
         super().__init__(
             application,
             channels,
             _sock=listener,
-            dispatcher=workers,
+            dispatcher=Lanes(self._place),
             adj=adjustments,
             sockinfo=(listener.family, listener.type, listener.proto, listener.getsockname()),
             bind_socket=False,
         )
 
+    def accept(self) -> Any:
+        accepted = super().accept()
+        self._has_come = accepted is not None
+        return accepted
+
     def handle_accept(self) -> None:
-        super().handle_accept()
+        for _ in range(_AT_ONCE):
+            self._has_come = False
+            super().handle_accept()
+            if not self._has_come:
+                return
+            self._make_room(next(reversed(self.active_channels.values())))
+
+    def forget(self, channel: _Channel) -> None:
+        """It is closed."""
+        others = self._channels_of.get(channel.address)
+        if others is not None:
+            others.pop(channel, None)
+            if not others:
+                del self._channels_of[channel.address]
+
+    def _make_room(self, newcomer: _Channel) -> None:
+        address = newcomer.address
+        self._channels_of.setdefault(address, {})[newcomer] = None
         if len(self.active_channels) > PLACES:
-            loser = whose_place(list(self.active_channels.values()))
-            if loser is not None:
-                loser.handle_close()
+            address = max(self._channels_of, key=lambda one: len(self._channels_of[one]))
+        elif len(self._channels_of[address]) <= SHARE or is_proxy(address, self._proxies):
+            return
+        min(self._channels_of[address], key=lambda one: (not one.is_idle, one.waits_since)).handle_close()
+
+    def _place(self, task: Task) -> tuple[Lane, str | None]:
+        """Which lane it is in, and whose it is; None: this machine's."""
+        if not isinstance(task, _Channel):
+            return Lane.ROBOTS, None  # the program's own
+        asked = task.requests[0]
+        forwarded = asked.headers.get(_FORWARDED)
+        owner = visitor(task.address, forwarded, self._proxies)
+        lane = Lane.PAGES if asked.error else self._lane(asked.command, asked.path)
+        return lane, None if forwarded is None and owner in THIS_MACHINE else owner
 
     def maintenance(self, now: float) -> None:
         super().maintenance(now)
@@ -114,13 +162,3 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
         for channel in list(self.active_channels.values()):
             if channel.is_late(now):
                 channel.will_close = True
-
-
-def whose_place(channels: list[_Channel]) -> _Channel | None:
-    """Who makes room for a newcomer; None when all are being answered."""
-    taken = Counter(channel.address for channel in channels)
-
-    def claim(channel: _Channel) -> tuple[int, float]:
-        return -taken[channel.address], channel.waits_since
-
-    return min((channel for channel in channels if channel.is_idle), key=claim, default=None)

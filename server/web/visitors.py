@@ -8,13 +8,12 @@ import time
 from flask import current_app, request
 
 from laser_bot_battle.token_bucket import TokenBuckets
-from server.access.proxies import FORWARDED, SCHEME, is_proxy, visitor
+from server.access.proxies import FORWARDED, SCHEME, THIS_MACHINE, is_proxy, visitor
 
 AT_ONCE = 4  # sign-ups of one address, then
 PERIOD = 3.0  # s for each further one
 PROXIES = "LASERBOT_PROXIES"  # in the application's configuration
 
-_THIS_MACHINE = ("127.0.0.1", "::1")
 _SALT = secrets.token_bytes(16)
 
 
@@ -41,6 +40,6 @@ class SignUps:
 
     def wait(self) -> float:
         """Count the request as a sign-up, or (not 0) return the s until there may be one from its address."""
-        if request.remote_addr in _THIS_MACHINE and FORWARDED not in request.headers:
+        if request.remote_addr in THIS_MACHINE and FORWARDED not in request.headers:
             return 0.0
         return self._buckets.take(visitor_address(), time.monotonic())

@@ -12,7 +12,7 @@ import signal
 import statistics
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -152,14 +152,19 @@ class Loaded(NamedTuple):
 
     master: Master
     robots: Remote
+    pages: Remote
     drivers: Remote
     watching: Remote
     loads: list[Remote]
 
 
 @contextlib.contextmanager
-def loaded_master(players: int, spectators: int) -> Iterator[Loaded]:
+def loaded_master(
+    players: int, spectators: int, prepare: Callable[[Path], None] = lambda folder: None
+) -> Iterator[Loaded]:
+    """`prepare` gets the master's folder before it starts."""
     with tempfile.TemporaryDirectory(prefix="laserbot-scale-") as folder, contextlib.ExitStack() as stack:
+        prepare(Path(folder))
         master = Master(Path(folder), players, stack)
         robots = Remote(LightRobots, players, master.uri, master.web)
         pages = Remote(Pages, master.web)
@@ -174,7 +179,7 @@ def loaded_master(players: int, spectators: int) -> Iterator[Loaded]:
         pages.call("battle")
         drivers.call("sit_down", seats)
         robots.call("fight", min(HITS, players))
-        yield Loaded(master, robots, drivers, watching, loads)
+        yield Loaded(master, robots, pages, drivers, watching, loads)
 
 
 def measure(loaded: Loaded, players: int, seconds: float) -> Row:

@@ -59,6 +59,10 @@ class Pages(InLoop):
         """All get ready. Returns when the battle runs; RuntimeError when somebody is not in it."""
         self.do(self._battle())
 
+    def state(self) -> dict[str, Any]:
+        """What the server says of the game now."""
+        return self.do(self._post(self._sessions[0], "updateGameStatus"))
+
     async def _free(self) -> int:
         async with aiohttp.ClientSession() as session:
             return int((await self._post(session, "getAvailableRobots"))["availableR"])

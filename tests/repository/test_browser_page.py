@@ -15,6 +15,7 @@ from server.game.referee import Referee
 from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
 from server.messages.types import Types
+from server.pages.app import create_pages
 from server.ros.status import to_message
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
@@ -22,12 +23,13 @@ from server.rosbridge.effects import Effect, Publish, Send
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Client
-from server.web.app import create_app
+from server.store.results import Results
 from server.web.settings import Settings
 from server.web.watch import create_watch
 from tcpros.clock import Clock
 from tests.support.documents import blocks, page, table
 from tests.support.linked import add_linked_robot
+from tests.support.site import whole_site
 
 PAGE = page("protocol-browser.md")
 COOKIE = "laserbot_session"
@@ -42,7 +44,7 @@ class Story:
         for number in range(3):
             add_linked_robot(self.battle, f"/id_service_client_raspberrypi{number + 1}")
         settings = Settings.from_env({})
-        self.app = create_app(self.battle, settings, create_watch(self.battle, settings, RobotsHealth()))
+        self.app = whole_site(self.battle, settings, create_watch(self.battle, RobotsHealth()))
         self.gate, self.drivers, self.graph, self.types = Gate(""), Drivers(), Graph(), Types()
         self._browsers: dict[str, FlaskClient] = {}
         self._clients: dict[str, Client] = {}
@@ -141,7 +143,9 @@ ELSEWHERE = ("static", "results.")
 
 
 def test_the_page_has_every_route_and_no_other() -> None:
-    rules = [rule for rule in Story().app.url_map.iter_rules() if not rule.endpoint.startswith(ELSEWHERE)]
+    settings = Settings.from_env({})
+    apps = Story().app, create_pages(settings, Results(settings.database))
+    rules = [rule for app in apps for rule in app.url_map.iter_rules() if not rule.endpoint.startswith(ELSEWHERE)]
     routes = {(method, rule.rule) for rule in rules for method in (rule.methods or set()) & {"GET", "POST"}}
     told = {(row["method"], path) for row in table(PAGE, "HTTP") for path in row["path"].split(", ")}
     assert told == routes

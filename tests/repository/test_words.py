@@ -82,6 +82,7 @@ SOURCES = [
     *sorted((STATIC / "js").rglob("*.js")),
     *sorted(TEMPLATES.rglob("*.html")),
     *sorted((ROOT / "server/web").glob("*.py")),
+    *sorted((ROOT / "server/pages").glob("*.py")),
 ]
 
 

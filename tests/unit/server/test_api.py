@@ -15,10 +15,9 @@ from server.game import events
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
-from server.web.app import create_app
 from server.web.settings import Settings
 from tests.support.linked import add_linked_robot
-from tests.support.polling import until
+from tests.support.site import whole_site
 
 POST_ROUTES = (
     "/signUpUser",
@@ -33,13 +32,14 @@ POST_ROUTES = (
 
 
 class Site:
-    """The application over a real battle with robots 0 to 2; every browser has its own cookies."""
+    """The application over a real battle with robots 0 to 2, whose time stands still; every browser has its cookies."""
 
     def __init__(self, robots: int = 3, **rules: Any) -> None:
-        self.battle = GameLoop(Referee(Rules(**rules)))
+        self.now = 1000.0
+        self.battle = GameLoop(Referee(Rules(**rules)), clock=lambda: self.now)
         for _ in range(robots):
             add_linked_robot(self.battle)
-        self.app = create_app(self.battle, Settings.from_env({}))
+        self.app = whole_site(self.battle, Settings.from_env({}))
 
     def browser(self):
         return self.app.test_client()
@@ -353,7 +353,8 @@ def test_in_a_battle_everyone_gets_started_whatever_is_asked():
         browser = site.browser()
         sign_up(browser, name)
         browser.post("/playerReady", data={"user": name, "ready": "1"})
-    until(lambda: site.battle.snapshot().game == 2)
+    site.now += 0.1
+    assert site.battle.snapshot().game == 2
     for user in ("al", "bo", "nobody"):
         for ready in ("0", "1", "x"):
             response = site.browser().post("/playerReady", data={"user": user, "ready": ready})
@@ -661,7 +662,8 @@ def test_at_the_wrong_moment_nothing_changes():
     for browser, name in ((al, "al"), (bo, "bo")):
         sign_up(browser, name)
         browser.post("/playerReady", data={"user": name, "ready": "1"})
-    until(lambda: site.battle.snapshot().game == 2)
+    site.now += 0.1
+    assert site.battle.snapshot().game == 2
     before = state(site)
     assert body(al.post("/playerReady", data={"user": "al", "ready": "0"})) == {"status": "STARTED"}
     assert choose(al, "0") == (200, {"status": "STARTED"})
@@ -681,8 +683,8 @@ def test_any_request_with_the_session_is_a_sign_of_life():
     now = [100.0]
     battle = GameLoop(Referee(Rules(robot_timeout=1000.0)), clock=lambda: now[0])
     add_linked_robot(battle)
-    browser = create_app(battle, Settings.from_env({})).test_client()
-    stranger = create_app(battle, Settings.from_env({})).test_client()
+    browser = whole_site(battle, Settings.from_env({})).test_client()
+    stranger = whole_site(battle, Settings.from_env({})).test_client()
     browser.post("/signUpUser", data={"data": "al"})
     for _ in range(4):
         now[0] += 40

@@ -7,13 +7,13 @@ import pytest
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
-from server.web.app import create_app
 from server.web.assets import asset
 from server.web.settings import Settings
+from tests.support.site import whole_site
 
 
 def browser_of(**variables: str):
-    return create_app(GameLoop(Referee(Rules())), Settings.from_env(variables)).test_client()
+    return whole_site(GameLoop(Referee(Rules())), Settings.from_env(variables)).test_client()
 
 
 @pytest.fixture(scope="module")

@@ -18,7 +18,6 @@ from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
 from server.store.database import Database
 from server.store.log import EventLog
-from server.web.app import create_app
 from server.web.operator import create_operator
 from server.web.operator_access import MAX_SESSIONS, SESSION_LIFE, Access
 from server.web.operator_api import create_operator_api
@@ -26,6 +25,7 @@ from server.web.settings import Settings
 from tests.support.journals import KERNEL, from_container, write_journal
 from tests.support.linked import add_linked_robot
 from tests.support.polling import until
+from tests.support.site import whole_site
 
 TOKEN = "the operators' token"
 BEARER = {"Authorization": f"Bearer {TOKEN}"}
@@ -64,7 +64,7 @@ class Site:
         api = create_operator_api(
             self.game, settings, access, self.database, self.log, health=self.health, identify=self.identify
         )
-        self.app = create_app(self.game, Settings.from_env({}), create_operator(access), api)
+        self.app = whole_site(self.game, Settings.from_env({}), create_operator(access), api)
         self.app.jinja_loader = DictLoader(PAGES)
 
     def identify(self, robot_id: int) -> bool:

@@ -7,13 +7,13 @@ import pytest
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
-from server.web.app import create_app
 from server.web.settings import Settings
+from tests.support.site import whole_site
 
 
 @pytest.fixture
 def app():
-    return create_app(GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": "9123"}))
+    return whole_site(GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_ROSBRIDGE_PORT": "9123"}))
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def test_home_tells_where_rosbridge_is(browser):
 
 def test_home_shows_the_arena_where_there_is_a_view_of_it(browser):
     with_view = (
-        create_app(GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_VIEW_PORT": "8123"}))
+        whole_site(GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_VIEW_PORT": "8123"}))
         .test_client()
         .get("/home")
     )

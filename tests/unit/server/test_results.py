@@ -16,13 +16,13 @@ from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.robot import HIT_INTERVAL
 from server.game.rules import Rules
+from server.pages.results import create_results
 from server.store.course import courses
 from server.store.database import Database
 from server.store.results import Results
-from server.web.app import create_app
-from server.web.results import create_results
 from server.web.settings import Settings
 from tests.support.polling import until
+from tests.support.site import whole_site
 
 EPOCH = 1_740_000_000  # what the wall's clock is ahead of the match's
 SUM = {"shots": 0, "kills": None, "accuracy": None}
@@ -101,7 +101,7 @@ def played(match, keep):
 
 @pytest.fixture
 def browser(file):
-    return create_app(
+    return whole_site(
         GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_DATABASE": f"sqlite:///{file}"})
     ).test_client()
 

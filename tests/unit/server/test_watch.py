@@ -12,10 +12,11 @@ from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
-from server.web import watch
-from server.web.app import create_app
+from server.pages import watch
+from server.pages.watch import players_address
 from server.web.settings import Settings
-from server.web.watch import create_watch, players_address, public_status
+from server.web.watch import create_watch, public_status
+from tests.support.site import whole_site
 
 LAN = [LanAddress("192.168.7.4", 24), LanAddress("10.0.0.9", 8)]
 
@@ -23,7 +24,7 @@ LAN = [LanAddress("192.168.7.4", 24), LanAddress("10.0.0.9", 8)]
 @pytest.fixture
 def browser():
     game, settings = GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_VIEW_PORT": "8123"})
-    return create_app(game, settings, create_watch(game, settings, RobotsHealth())).test_client()
+    return whole_site(game, settings, create_watch(game, RobotsHealth())).test_client()
 
 
 @pytest.fixture

@@ -9,15 +9,15 @@ from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.rules import Rules
 from server.web import words
-from server.web.app import create_app
 from server.web.settings import Settings
+from tests.support.site import whole_site
 
 CHOSEN = re.compile(r'<html lang="(\w*)"(?: data-theme="(\w*)")?>')
 
 
 @pytest.fixture(scope="module")
 def app():
-    return create_app(GameLoop(Referee(Rules())), Settings.from_env({}))
+    return whole_site(GameLoop(Referee(Rules())), Settings.from_env({}))
 
 
 def look(app, accept: str | None = None, **cookies: str) -> tuple[str, str]:

@@ -17,11 +17,11 @@ from typing import Any
 from flask import Blueprint, Response, make_response, render_template, request
 from jinja2.utils import htmlsafe_json_dumps
 
+from server.pages.chart import draw
 from server.store.course import Course
 from server.store.csv_safety import harmless
 from server.store.database import AwayError
 from server.store.results import Battle, BusyError, Fighter, Results, Standing
-from server.web.chart import draw
 from server.web.words import t, text
 
 SIZE, MAX_SIZE = 25, 500  # battles on a page
@@ -57,6 +57,12 @@ def create_results(results: Results) -> Blueprint:
     pages.add_app_template_filter(by_day)
     _add_battles(pages, results)
     _add_leaderboard(pages, results)
+
+    @pages.after_request
+    def let_visitors_keep(response: Response) -> Response:
+        """They ask each time whether it is still true."""
+        response.headers["Cache-Control"] = "no-cache"
+        return response
 
     @pages.errorhandler(Refused)
     def refuse(error: Refused) -> Response:

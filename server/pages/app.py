@@ -1,0 +1,41 @@
+"""The application of what people look at: pages, results and files. Whoever looks needs no game, only the database."""
+
+from flask import Blueprint, Flask, render_template
+from werkzeug.utils import redirect
+from werkzeug.wrappers import Response
+
+from server.pages.results import create_results
+from server.pages.watch import create_watch
+from server.store.results import Results
+from server.web.app import create_base
+from server.web.assets import asset, with_assets
+from server.web.settings import Settings
+
+
+def create_pages(settings: Settings, results: Results) -> Flask:
+    """The WSGI application."""
+    app = create_base(settings, _create_plain(), create_results(results), create_watch(settings))
+    app.wsgi_app = with_assets(app.wsgi_app)  # type: ignore[assignment, method-assign]
+    return app
+
+
+def _create_plain() -> Blueprint:
+    pages = Blueprint("pages", __name__)
+
+    @pages.get("/")
+    def index() -> str:
+        return render_template("index.html")
+
+    @pages.get("/home")
+    def home() -> str:
+        return render_template("home.html")
+
+    @pages.get("/about")
+    def about() -> str:
+        return render_template("about.html")
+
+    @pages.get("/favicon.ico")
+    def favicon() -> Response:
+        return redirect(asset("img/favicon.png"))
+
+    return pages

@@ -1,0 +1,140 @@
+"""The process that makes what people look at (server.pages): started with the game server, and again when it ends.
+
+It answers on a socket of its own; what comes for it on the game server's port is handed over. It stands behind the
+game for the processor too, so a crowd of visitors costs a battle next to nothing.
+"""
+
+import logging
+import socket
+import subprocess
+import sys
+import threading
+from collections.abc import Iterable
+from http.client import HTTPConnection, HTTPException, HTTPResponse
+from urllib.parse import quote
+from wsgiref.types import StartResponse, WSGIEnvironment
+
+_log = logging.getLogger(__name__)
+
+_ANSWER_WITHIN = 10.0  # s; a database that is away is known sooner
+_END_WITHIN = 1.0  # s
+_AGAIN_AFTER, _AT_MOST = 0.2, 5.0  # s until it is started again: twice as long each time that it ends at once
+_LIVED = 10.0  # s after which it has not ended at once
+_WAITING = 128  # connections
+_HOP_BY_HOP = {"connection", "keep-alive", "transfer-encoding", "date", "server", "via"}  # each server's own
+_AWAY = b"The pages are being started: try again in a moment.\n"
+
+
+class PagesProcess:
+    """Starts the process in `run`; as a WSGI application, hands requests without a body over to it."""
+
+    def __init__(self) -> None:
+        # an address that the kernel makes up, in no file system: nothing to clean up, and it outlives the process
+        self._listener = socket.socket(socket.AF_UNIX)
+        self._listener.bind("")
+        self._listener.listen(_WAITING)
+        self._address: bytes = self._listener.getsockname()
+        self._own = threading.local()  # each thread's connection
+        self._lock = threading.Lock()
+        self._process: subprocess.Popen[bytes] | None = None
+        self._ending = threading.Event()
+
+    def run(self, lived: float = _LIVED) -> None:
+        """Keep it running until `stop`. For a thread of its own."""
+        pause = _AGAIN_AFTER
+        while not self._ending.is_set():
+            with self._lock:
+                if self._ending.is_set():
+                    return
+                self._process = self._start()
+            try:
+                code = self._process.wait(lived)
+                pause = min(2 * pause, _AT_MOST)
+            except subprocess.TimeoutExpired:
+                pause = _AGAIN_AFTER
+                code = self._process.wait()
+            if not self._ending.is_set():
+                _log.error("the process of the pages has ended with %d: it is started again in %.1f s", code, pause)
+            self._ending.wait(pause)
+
+    def stop(self) -> None:
+        self._ending.set()
+        with self._lock:
+            process = self._process
+        if process is not None:
+            process.stdin.close()  # type: ignore[union-attr]  # it ends with us
+            try:
+                process.wait(_END_WITHIN)
+            except subprocess.TimeoutExpired:
+                process.kill()
+        self._listener.close()
+
+    def __call__(self, environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
+        asked = self._process
+        try:
+            response, body = self._ask(environ)
+        except (OSError, HTTPException) as error:
+            if isinstance(error, TimeoutError):
+                self._end_hanging(asked)
+            start_response(
+                "503 SERVICE UNAVAILABLE",
+                [("Content-Type", "text/plain"), ("Content-Length", str(len(_AWAY))), ("Retry-After", "2")],
+            )
+            return [_AWAY]
+        headers = [(name, value) for name, value in response.getheaders() if name.lower() not in _HOP_BY_HOP]
+        start_response(f"{response.status} {response.reason}", headers)
+        return [body]
+
+    def _start(self) -> "subprocess.Popen[bytes]":
+        number = self._listener.fileno()
+        return subprocess.Popen(
+            [sys.executable, "-m", "server.pages", str(number)], stdin=subprocess.PIPE, pass_fds=[number]
+        )
+
+    def _ask(self, environ: WSGIEnvironment) -> tuple[HTTPResponse, bytes]:
+        kept: _Connection | None = getattr(self._own, "connection", None)
+        if kept is not None:
+            try:
+                return kept.ask(environ)
+            except TimeoutError:
+                raise
+            except (OSError, HTTPException):  # it was closed: the process is another one, or has waited for long
+                kept.close()
+        fresh = self._own.connection = _Connection(self._address)
+        try:
+            return fresh.ask(environ)
+        except (OSError, HTTPException):
+            fresh.close()
+            raise
+
+    def _end_hanging(self, asked: "subprocess.Popen[bytes] | None") -> None:
+        with self._lock:
+            if asked is None or asked is not self._process or asked.poll() is not None:
+                return  # another one has been started since
+            _log.error("the process of the pages has not answered for %.0f s: it is ended", _ANSWER_WITHIN)
+            asked.kill()
+
+
+class _Connection(HTTPConnection):
+    def __init__(self, address: bytes) -> None:
+        super().__init__("localhost", timeout=_ANSWER_WITHIN)
+        self._address = address
+
+    def connect(self) -> None:
+        self.sock = socket.socket(socket.AF_UNIX)
+        self.sock.settimeout(self.timeout)
+        self.sock.connect(self._address)
+
+    def ask(self, environ: WSGIEnvironment) -> tuple[HTTPResponse, bytes]:
+        """The answer, and its body."""
+        path = quote(environ["PATH_INFO"].encode("latin-1"), safe="/:@!$&'()*+,;=~")
+        query = environ.get("QUERY_STRING", "")
+        self.putrequest(
+            environ["REQUEST_METHOD"], f"{path}?{query}" if query else path, skip_host=True, skip_accept_encoding=True
+        )
+        for name, value in environ.items():
+            if name.startswith("HTTP_") and (header := name[5:].replace("_", "-")).lower() not in _HOP_BY_HOP:
+                self.putheader(header, value.encode("latin-1"))
+        self.endheaders()
+        response = self.getresponse()
+        return response, response.read()

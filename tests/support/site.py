@@ -1,0 +1,13 @@
+"""The game's application and that of the pages, joined in one process."""
+
+from flask import Blueprint, Flask
+
+from server.game.loop import GameLoop
+from server.pages.app import create_pages
+from server.store.results import Results
+from server.web.app import create_app
+from server.web.settings import Settings
+
+
+def whole_site(game: GameLoop, settings: Settings, *more: Blueprint) -> Flask:
+    return create_app(game, settings, *more, pages=create_pages(settings, Results(settings.database)).wsgi_app)
