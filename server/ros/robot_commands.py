@@ -9,6 +9,7 @@ from std_msgs.msg import Empty
 from laser_bot_battle.light_protocol import COOLDOWN
 from laser_bot_battle.msg import Setup
 from laser_bot_battle.names import identify_topic, setup_topic
+from laser_bot_battle.rospy_cures import latched_publisher
 from server.game.emitter import damage_code
 from server.game.snapshot import Snapshot
 from server.ros.robot_topics import Publication, RobotTopics
@@ -41,7 +42,7 @@ class RobotCommands(RobotTopics[Publication]):
     def _open(self, robot_id: int) -> Sequence[Publication]:
         self._told.pop(robot_id, None)
         return [
-            Publication(rospy.Publisher(setup_topic(robot_id), Setup, latch=True, queue_size=1)),
+            Publication(latched_publisher(setup_topic(robot_id), Setup, queue_size=1)),
             Publication(rospy.Publisher(identify_topic(robot_id), Empty, queue_size=1)),
         ]
 

@@ -6,6 +6,7 @@ import rospy
 
 from laser_bot_battle.msg import GameEvent, GameStatus, UserStatus
 from laser_bot_battle.names import GAME_STATUS
+from laser_bot_battle.rospy_cures import latched_publisher
 from server.game.robot_health import RobotsHealth
 from server.game.snapshot import Snapshot
 
@@ -13,7 +14,7 @@ from server.game.snapshot import Snapshot
 class StatusPublisher:
     def __init__(self, health: RobotsHealth) -> None:
         self._health = health
-        self._publisher = rospy.Publisher(GAME_STATUS, GameStatus, latch=True, queue_size=10)
+        self._publisher = latched_publisher(GAME_STATUS, GameStatus, queue_size=10)
 
     def publish(self, snapshot: Snapshot) -> None:
         """A listener of the game; rospy's own threads do the sending."""

@@ -7,6 +7,8 @@
   handler cannot tell who calls. `cure_services`, shown by the same tests.
 - **Missed publisher**: one that appears in the moment of subscribing, or did not answer at once, is forgotten.
   `Subscription` and `hear_again`, shown by tests/unit/shared/test_subscriptions.py.
+- **Late latch**: a publisher registers first and latches then. Who connects in between is told that it does not latch.
+  `latched_publisher`, shown by tests/unit/shared/test_latched.py.
 """
 
 import contextlib
@@ -17,10 +19,13 @@ import threading
 from collections.abc import Callable, Iterable
 from io import BytesIO
 
+import genpy
 import rospy
 from rosgraph.network import ROSHandshakeException, read_ros_handshake_header
+from rospy import topics
 from rospy.exceptions import TransportTerminated
 from rospy.impl import tcpros_base, tcpros_service
+from rospy.impl.registration import Registration, get_topic_manager
 
 from laser_bot_battle.connection_limits import ConnectionLimits
 from laser_bot_battle.master import Master, MasterError
@@ -115,6 +120,18 @@ class Subscription:
             subscriber, self._subscriber = self._subscriber, None
         if subscriber is not None:
             subscriber.unregister()  # asks the ROS master, so nobody must have to wait for it
+
+
+def latched_publisher(topic: str, kind: type[genpy.Message], queue_size: int) -> rospy.Publisher:
+    """One that latches before anybody can connect."""
+    manager = get_topic_manager()
+    name = rospy.resolve_name(topic)
+    with manager.lock:
+        if manager.get_publisher_impl(name) is None:
+            latching = topics._PublisherImpl(name, kind)
+            latching.enable_latch()
+            manager._add(latching, manager.pubs, Registration.PUB)
+        return rospy.Publisher(topic, kind, latch=True, queue_size=queue_size)
 
 
 def hear_again(subscriptions: Iterable[Subscription], master: Master, now: float) -> None:

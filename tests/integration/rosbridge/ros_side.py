@@ -14,6 +14,7 @@ import roslib.message
 import rospy
 
 from laser_bot_battle.msg import GameStatus, UserStatus
+from laser_bot_battle.rospy_cures import latched_publisher
 from laser_bot_battle.srv import AddNewRobot
 
 
@@ -36,7 +37,8 @@ def main() -> None:
 
     def publish(topic: str, kind: type, message: Any, latch: bool) -> None:
         if topic not in publishers:
-            publishers[topic] = rospy.Publisher(topic, kind, queue_size=100, latch=latch)
+            make = latched_publisher if latch else rospy.Publisher
+            publishers[topic] = make(topic, kind, queue_size=100)
         publishers[topic].publish(message)
 
     for name, answer in {"/add_new_robot": lambda _: 7, "/fails": fails, "/slow": slow}.items():
