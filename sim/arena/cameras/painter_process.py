@@ -73,3 +73,5 @@ async def painter_process(room: Room) -> AsyncIterator[PainterProcess]:
             with contextlib.suppress(ProcessLookupError):
                 process.kill()
             await process.wait()
+        with contextlib.suppress(OSError):  # what it has not read; asyncio would write a traceback about that
+            await process.stdin.wait_closed()
