@@ -2,7 +2,7 @@
 
 import re
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NoReturn
@@ -92,6 +92,21 @@ def layout_of(name: str, message_class: type[Any], find: Callable[[str], Layout]
 def is_bytes(element: Scalar | Layout) -> bool:
     """Arrays of it are blobs: base64 in JSON (rosbridge protocol 4.6)."""
     return element is SCALARS["uint8"] or element is SCALARS["char"]
+
+
+def is_long_by_bytes(layout: Layout) -> bool:
+    """Whether a long message of that type is long by a blob or a text, as far as the type tells."""
+    arrays = list(_arrays(layout))
+    return not arrays or any(map(is_bytes, arrays))
+
+
+def _arrays(layout: Layout) -> Iterator[Scalar | Layout]:
+    """The elements of all arrays in a message."""
+    for field in layout.fields:
+        if field.length is not None:
+            yield field.type
+        if isinstance(field.type, Layout):
+            yield from _arrays(field.type)
 
 
 def refuse(place: str, reason: str) -> NoReturn:

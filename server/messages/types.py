@@ -19,12 +19,13 @@ import os
 import re
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 from server.messages.fitting import Now
-from server.messages.layout import ConversionError, Layout, layout_of
+from server.messages.layout import ConversionError, Layout, is_long_by_bytes, layout_of
 from server.messages.packing import Pack, packer
 from server.messages.unpacking import CborValues, JsonText, Values, unpacker
 
@@ -45,7 +46,12 @@ class MessageType:
         self.md5sum: str = message_class._md5sum
         self.definition: str = message_class._full_text  # with the definitions of the messages in it
         self.fields = tuple(field.name for field in layout.fields)
+        self.is_long_by_bytes = is_long_by_bytes(layout)
         self._layout = layout
+
+    def __reduce__(self) -> tuple[Callable[[str], "MessageType"], tuple[str]]:
+        """Another process has the type by its name."""
+        return _known, (self.name,)
 
     @cached_property
     def pack(self) -> Pack:
@@ -141,6 +147,21 @@ class Types:
             raise
         self._missing.pop(key, None)
         return found
+
+
+@cache
+def _types() -> Types:
+    return Types()
+
+
+def _known(name: str) -> MessageType:
+    """A message's type, or that of a service's request or response."""
+    for end, part in (("Request", "request"), ("Response", "response")):
+        if name.endswith(end):
+            with suppress(ConversionError):
+                found: MessageType = getattr(_types().service(name.removesuffix(end)), part)
+                return found
+    return _types().message(name)
 
 
 def find_class(folder: str, name: str) -> type[Any]:

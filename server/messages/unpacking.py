@@ -23,7 +23,9 @@ ARRAY_TAGS = {
 class Values:
     """Expressions whose value is what the module json can write."""
 
-    raw_arrays = False  # an array of numbers is read as it is, not taken apart
+    def is_raw(self, element: Scalar) -> bool:
+        """Whether an array of these numbers is read as it is, not taken apart."""
+        return False
 
     def result(self, expression: str) -> str:
         return expression
@@ -66,8 +68,11 @@ class JsonText(Values):
     def blob(self, variable: str) -> str:
         return f'"{{base64({variable})}}"'
 
+    def is_raw(self, element: Scalar) -> bool:
+        return element.size == 1 and element.kind == "integer"
+
     def array(self, element: Scalar, variable: str) -> str:
-        return f"{{{element.kind}s({variable})}}"
+        return f"{{{'octet' if self.is_raw(element) else element.kind}s({variable})}}"
 
     def elements(self, variable: str) -> str:
         return f"[{{comma({variable})}}]"
@@ -77,7 +82,8 @@ class CborValues(Values):
     """Expressions whose value is what cbor2 can write, as upstream's cbor_conversion.py has it: arrays of numbers are
     tagged bytes, blobs are bytes, NaN stays NaN."""
 
-    raw_arrays = True
+    def is_raw(self, element: Scalar) -> bool:
+        return element.kind != "boolean"
 
     def scalar(self, kind: str, variable: str) -> str:
         return variable
@@ -95,6 +101,14 @@ def base64(data: bytes) -> str:
 
 def finite(numbers: tuple[float, ...]) -> list[float | None]:
     return [number if number - number == 0 else None for number in numbers]
+
+
+_OCTETS = [f"{octet - 256 if octet > 127 else octet}," for octet in range(256)]
+
+
+def json_octets(data: bytes) -> str:
+    """Of int8, such as the sixteen million cells of a map: a table is thrice as fast as numbers."""
+    return f"[{data.decode('latin-1').translate(_OCTETS)[:-1]}]"
 
 
 def json_integers(integers: tuple[int, ...]) -> str:
@@ -115,7 +129,8 @@ def json_numbers(numbers: tuple[float, ...]) -> str:
 HELPERS = {
     **{"base64": base64, "finite": finite, "tag": CBORTag, "unpack": struct.unpack_from},
     **{"quote": encode_basestring_ascii, "comma": ",".join, "boolean_words": ("false", "true"), "null": "null"},
-    **{"integers": json_integers, "booleans": json_booleans, "numbers": json_numbers, "error": ConversionError},
+    **{"octets": json_octets, "integers": json_integers, "booleans": json_booleans, "numbers": json_numbers},
+    "error": ConversionError,
 }
 
 
@@ -169,7 +184,7 @@ class Reader:
         if is_bytes(element):
             self._slice(variable, count)
             return self._style.blob(variable)
-        if self._style.raw_arrays and element.kind != "boolean":
+        if self._style.is_raw(element):
             self._slice(variable, f"{count} * {element.size}")
         else:
             self._line(f"{variable} = unpack(f'<{{{count}}}{element.code}', data, at)")

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import time
+from collections import deque
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from functools import partial
 from typing import Any
@@ -32,17 +33,21 @@ from server.rosbridge.effects import (
     OpenSubscription,
     Publish,
     Replay,
+    Response,
     Send,
 )
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.metrics import Delays, metrics, missing
 from server.rosbridge.offered_services import OfferedServices
+from server.rosbridge.outgoing import replied, replied_frames, takes_long
+from server.rosbridge.outside import Outside
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
 from server.rosbridge.shots import SHOT_TYPE
 from server.rosbridge.subscription import Subscription
 from server.websocket.connection import Connection
+from server.websocket.frames import Framed
 from server.websocket.limits import SocketOwner, owner_of
 from server.websocket.requests import RequestError, one_line
 from tcpros.clock import Clock
@@ -56,6 +61,8 @@ TICK = 0.5  # s
 LAST_CALL = 10.0  # s
 # A publish waits no longer for what the client has subscribed to before, whatever hangs.
 LATER = 1.0  # s
+# Of a topic's messages that wait for a large one before them; the oldest give way.
+MAX_WAITING = 64 * 2**20  # bytes
 GATE = "gate"  # takes part in the graph of topics as if it were a client
 
 
@@ -72,6 +79,10 @@ class Bridge:
         self._tasks: set[asyncio.Task[None]] = set()
         self._calls: dict[asyncio.Task[None], Client | None] = {}  # of services, by whom
         self._offered = OfferedServices(self._perform)
+        self._outside = Outside()
+        # messages, each for some subscriptions, of topics of which a large one is being encoded
+        self._lines: dict[str, deque[tuple[Delivery, list[Subscription]]]] = {}
+        self._latest: Delivery | None = None  # large one: who comes soon after it gets what has been encoded
         self._ros = ros = Ros(node, types, clock, self._deliver)
         self._performers: dict[type, Callable[[Client | None, Any], object]] = {
             Publish: lambda _, effect: ros.publish(*effect),
@@ -128,6 +139,7 @@ class Bridge:
         self._perform(None, self._drivers.stop_all())
         for task in self._tasks:
             task.cancel()
+        self._outside.close()
 
     def metrics(self) -> Iterable[Metric]:
         """For those who watch rosbridge."""
@@ -174,16 +186,23 @@ class Bridge:
         task.add_done_callback(self._calls.pop)
 
     async def _call(self, client: Client | None, call: CallService) -> None:
-        response, reason = None, ""
+        messages: Sequence[str | bytes] = []
+        reason = ""
         try:
-            response = await self._ros.call(call)
+            messages = await self._replied(call, await self._ros.call(call))
         except RequestError as error:
             reason = str(error)
         except Exception:  # whatever it was, the client hears of the end, and its call counts no longer as under way
             _log.exception("the call of %s failed", call.service)
             reason = "the call failed"
         if client in self._connections:
-            self._perform(client, call.done(response, reason, self._loop.time()))
+            self._perform(client, call.done(messages, reason, self._loop.time()))
+
+    async def _replied(self, call: CallService, response: Response) -> Sequence[str | bytes]:
+        """What the client gets."""
+        if takes_long(*response, call.reply.compression):
+            return [Framed(await self._outside.make(replied_frames, call.reply, response))]
+        return replied(call.reply, response)
 
     def _open_service(self, client: Client | None, effect: OpenService) -> None:
         assert client is not None
@@ -212,10 +231,10 @@ class Bridge:
         self._start(self._settle(client, topic))
         for data in self._ros.latched(topic):
             told = self._gate.public(data) if topic == GAME_STATUS else data
-            message = Delivery(message_type, told, self._clock.nanoseconds())
-            for subscription in self._graph.subscriptions(topic):
-                if subscription.client is client:
-                    self._offer(subscription, topic, message)
+            message = self._latest
+            if message is None or not message.is_of(told):
+                message = Delivery(message_type, told, self._clock.nanoseconds())
+            self._offer([each for each in self._graph.subscriptions(topic) if each.client is client], topic, message)
 
     def _deliver(self, topic: str, message_type: MessageType, data: bytes) -> None:
         """A message from ROS. It is encoded once in each form, however many clients get it."""
@@ -226,9 +245,7 @@ class Bridge:
                 _log.warning("what the referee says cannot be read: %s", error)
                 return
         message = Delivery(message_type, data, self._clock.nanoseconds())
-        for subscription in list(self._graph.subscriptions(topic)):
-            if subscription.client is not GATE:
-                self._offer(subscription, topic, message)
+        self._offer([each for each in self._graph.subscriptions(topic) if each.client is not GATE], topic, message)
 
     def _hear_referee(self, data: bytes) -> bytes:
         """The state of the battle, for the gate; what clients may know of it."""
@@ -236,18 +253,58 @@ class Bridge:
         self._check_rights()
         return self._gate.public(data)
 
-    def _offer(self, subscription: Subscription, topic: str, message: Delivery) -> None:
-        self._pass(subscription, topic, subscription.offer(message, self._loop.time()))
+    def _offer(self, subscriptions: list[Subscription], topic: str, message: Delivery) -> None:
+        now = self._loop.time()
+        self._pass([each for each in subscriptions if each.offer(message, now) is not None], topic, message)
+        for subscription in subscriptions:
+            self._wait(subscription, topic)
 
     def _release(self, subscription: Subscription, topic: str) -> None:
         """A throttled message is due."""
         del self._timers[subscription]
-        self._pass(subscription, topic, subscription.release(self._loop.time()))
+        message = subscription.release(self._loop.time())
+        if message is not None:
+            self._pass([subscription], topic, message)
+        self._wait(subscription, topic)
 
-    def _pass(self, subscription: Subscription, topic: str, message: Delivery | None) -> None:
-        """Send the message, if any, and set a timer for what must wait."""
-        connection = self._connections.get(subscription.client)  # type: ignore[call-overload]
-        if message is not None and connection is not None:
+    def _wait(self, subscription: Subscription, topic: str) -> None:
+        """Set a timer for what is throttled."""
+        if subscription.due is not None and subscription not in self._timers:
+            self._timers[subscription] = self._loop.call_at(subscription.due, self._release, subscription, topic)
+
+    def _pass(self, subscriptions: list[Subscription], topic: str, message: Delivery) -> None:
+        """Send it, after those of the topic that wait, and at once only if it is not large."""
+        line = self._lines.get(topic)
+        if line is None:
+            if not any(message.takes_long(each.form) for each in subscriptions):
+                self._send_to(subscriptions, topic, message)
+                return
+            line = self._lines[topic] = deque()
+            self._start(self._encode(topic, line))
+        line.append((message, subscriptions))
+        while len(line) > 1 and sum(len(waiting) for waiting, _ in line) > MAX_WAITING:
+            line.popleft()
+
+    async def _encode(self, topic: str, line: deque[tuple[Delivery, list[Subscription]]]) -> None:
+        """Send what waits, in its order."""
+        while line:
+            message, subscriptions = line.popleft()
+            try:
+                while long := {each.form for each in subscriptions if message.takes_long(each.form)}:
+                    for form in long:
+                        message.take(form, await self._outside.make(Delivery.frames, message, form))
+                    self._latest = message
+            except (ConversionError, RuntimeError) as error:
+                _log.warning("a message of %s cannot be sent: %s", topic, error)
+            else:
+                self._send_to([each for each in subscriptions if not each.has_ended], topic, message)
+        del self._lines[topic]
+
+    def _send_to(self, subscriptions: Iterable[Subscription], topic: str, message: Delivery) -> None:
+        for subscription in subscriptions:
+            connection = self._connections.get(subscription.client)  # type: ignore[call-overload]
+            if connection is None:
+                continue
             try:
                 frames = message.frames(subscription.form)
             except ConversionError as error:  # a publisher whose messages are not of its type
@@ -255,8 +312,6 @@ class Bridge:
                 return
             # of the game's own topics only the newest is worth sending
             connection.message(topic, frames, 1 if topic in OWN_TYPES else subscription.queue_length)
-        if subscription.due is not None and subscription not in self._timers:
-            self._timers[subscription] = self._loop.call_at(subscription.due, self._release, subscription, topic)
 
     # ---- rights ----
 

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 from server.messages.types import MessageType
 from server.rosbridge.compression import raw
-from server.rosbridge.outgoing import outgoing
+from server.rosbridge.outgoing import outgoing, takes_long
 from server.websocket.frames import frame
 from server.websocket.requests import dumps
 
@@ -25,6 +25,25 @@ class Delivery:
         self._type, self._data, self._stamp = message_type, data, stamp
         self._json = ""
         self._frames: dict[Form, bytes] = {}
+
+    def __reduce__(self) -> tuple[type["Delivery"], tuple[MessageType, bytes, int]]:
+        return Delivery, (self._type, self._data, self._stamp)
+
+    def __len__(self) -> int:
+        """Bytes of the message."""
+        return len(self._data)
+
+    def is_of(self, data: bytes) -> bool:
+        """Whether it is that very message."""
+        return self._data is data
+
+    def takes_long(self, form: Form) -> bool:
+        """Whether the frames have not been made, and would keep others waiting."""
+        return form not in self._frames and takes_long(self._type, self._data, form.compression)
+
+    def take(self, form: Form, frames: bytes) -> None:
+        """What `frames` has made elsewhere."""
+        self._frames[form] = frames
 
     def frames(self, form: Form) -> bytes:
         """The WebSocket frames of one publish operation, or of its fragments. ConversionError when the message is not

@@ -1,6 +1,6 @@
 """What a client's operations ask for: plain values that the bridge carries out, in order."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from server.messages.types import MessageType, ServiceType
@@ -73,20 +73,30 @@ class Later(NamedTuple):
     due: Callable[[float], "list[Effect]"]  # (time)
 
 
-class CallService(NamedTuple):
-    """Call the ROS service with `args` (JSON object or list); tell `done` the response, or why there is none."""
-
-    service: str
-    args: Any
-    timeout: float  # s, or infinity
-    done: Callable[["Response | None", str, float], "list[Effect]"]  # (response or None, reason if None, time)
-
-
 class Response(NamedTuple):
     """The serialized response of a service, and its type."""
 
     type: MessageType
     data: bytes
+
+
+class CallService(NamedTuple):
+    """Call the ROS service with `args` (JSON object or list), make of its response what the client gets, and tell
+    `done` that, or why there is nothing."""
+
+    service: str
+    args: Any
+    timeout: float  # s, or infinity
+    reply: "Reply"
+    done: Callable[[Sequence[str | bytes], str, float], "list[Effect]"]  # (messages, reason if there are none, time)
+
+
+class Reply(NamedTuple):
+    """How the client wants the response."""
+
+    operation: dict[str, object]  # all of it but the values
+    compression: str
+    fragment_size: int | None  # characters
 
 
 class OpenService(NamedTuple):

@@ -1,12 +1,21 @@
 """The WebSocket messages that one operation becomes."""
 
 import itertools
+import os
 from typing import Any
 
+from server.messages.types import MessageType
 from server.rosbridge.compression import encode
+from server.rosbridge.effects import Reply, Response
 from server.rosbridge.fragments import split
+from server.websocket.frames import frame
+from server.websocket.requests import dumps
 
-_fragmented = itertools.count(1)  # operations; a number tells a client which fragments belong together
+# What takes longer than a few ms is made outside the event loop.
+LARGE, LARGE_BYTES = 64 * 2**10, 2**20  # bytes of a message; what is long by a blob or a text is quick
+
+# operations; a number tells a client which fragments belong together, whichever process made them
+_fragmented = itertools.count(os.getpid() * 10**6)
 
 
 def outgoing(operation: dict[str, Any] | str, compression: str, fragment_size: int | None) -> list[str | bytes]:
@@ -15,3 +24,24 @@ def outgoing(operation: dict[str, Any] | str, compression: str, fragment_size: i
     if isinstance(message, bytes) or fragment_size is None or len(message) <= fragment_size:
         return [message]
     return list(split(message, fragment_size, str(next(_fragmented))))
+
+
+def replied(reply: Reply, response: Response) -> list[str | bytes]:
+    """A service_response. ConversionError when the response is not what its type says."""
+    operation, (message_type, data) = reply.operation, response
+    if reply.compression.startswith("cbor"):
+        values = message_type.cbor(data)
+        return outgoing({**operation, "values": values, "result": True}, reply.compression, reply.fragment_size)
+    text = f'{dumps(operation)[:-1]},"values":{message_type.json(data)},"result":true}}'
+    return outgoing(text, reply.compression, reply.fragment_size)
+
+
+def replied_frames(reply: Reply, response: Response) -> bytes:
+    """The same as it goes to the socket."""
+    return b"".join(map(frame, replied(reply, response)))
+
+
+def takes_long(message_type: MessageType, data: bytes, compression: str) -> bool:
+    """Whether to make an operation of that message would keep others waiting."""
+    is_quick = compression.startswith("cbor") or (compression == "none" and message_type.is_long_by_bytes)
+    return len(data) > (LARGE_BYTES if is_quick else LARGE)

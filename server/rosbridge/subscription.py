@@ -32,6 +32,7 @@ class Subscription:
         self._terms: dict[Id, Terms] = {}
         self._waiting: deque[Delivery] = deque()
         self._next = float("-inf")  # when the next message may be sent
+        self.has_ended = False
 
     @property
     def requests(self) -> int:
@@ -76,6 +77,7 @@ class Subscription:
 
     def end(self) -> None:
         """Nothing is due any more."""
+        self.has_ended = True
         self._waiting.clear()
 
     def _agree(self) -> None:

@@ -130,8 +130,14 @@ class Frames:
         return _decoded(data) if kind == TEXT else data
 
 
+class Framed(bytes):
+    """One message or several, in their frames already."""
+
+
 def frame(data: str | bytes) -> bytes:
     """A message as a server sends it: in one frame, the same for whoever gets it."""
+    if isinstance(data, Framed):
+        return data
     return _framed(TEXT, data.encode()) if isinstance(data, str) else _framed(BINARY, data)
 
 

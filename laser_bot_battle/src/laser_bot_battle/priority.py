@@ -37,6 +37,13 @@ def take(realtime: int) -> None:
         _log.info("runs at nice %d", NICE)
 
 
+def give_back_here() -> None:
+    """This thread, and what it starts, have the usual priority."""
+    with contextlib.suppress(OSError):
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        os.setpriority(os.PRIO_PROCESS, 0, 0)
+
+
 def _give_back_when_busy() -> None:
     """A program that never pauses would leave the others nothing of a processor: strangers may keep one busy."""
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGXCPU})

@@ -1,13 +1,12 @@
 """call_service and its service_response (rosbridge protocol 3.2.8, 3.2.9)."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from server.rosbridge.capabilities.capability import Capability, Handler, compression, fragment_size
 from server.rosbridge.compression import COMPRESSIONS
 from server.rosbridge.context import Context
-from server.rosbridge.effects import CallService, Effect, Response, Send
-from server.rosbridge.outgoing import outgoing
+from server.rosbridge.effects import CallService, Effect, Reply, Send
 from server.websocket.requests import MAX_NUMBER, Request, RequestError, brief, dumps, with_id
 
 MAX_CALLS = 100  # under way at once, for one client
@@ -48,20 +47,14 @@ class Services(Capability):
             raise RequestError(f"{MAX_CALLS} service calls of this client are running already")
         self._under_way += 1
 
-        def done(response: Response | None, reason: str, now: float) -> list[Effect]:
+        def done(messages: Sequence[str | bytes], reason: str, now: float) -> list[Effect]:
             self._under_way -= 1
-            try:
-                if response is None:
-                    raise RequestError(reason)
-                message_type, data = response
-                values = message_type.cbor(data) if form.startswith("cbor") else message_type.values(data)
-            except RequestError as error:
-                return self._failure(request, f"call_service {service}: {error}", str(error), now)
-            operation = {**_operation(request), "values": values, "result": True}
-            first, *rest = outgoing(operation, form, size)
+            if not messages:
+                return self._failure(request, f"call_service {service}: {reason}", reason, now)
+            first, *rest = messages
             return [Send(first, tuple(rest))]
 
-        return CallService(service, args, seconds, done)
+        return CallService(service, args, seconds, Reply(_operation(request), form, size), done)
 
     def _failure(self, request: Request, text: str, reason: str, now: float) -> list[Effect]:
         response = {**_operation(request), "values": reason, "result": False}

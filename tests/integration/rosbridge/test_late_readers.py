@@ -66,9 +66,7 @@ def test_long_latched_messages_of_several_topics_come(late: BareClient, client: 
         assert watcher.hear(10)["topic"] == topic
     for topic in topics:
         late.say("subscribe", topic=topic)
-    # it is answered when all are on their way
-    late.say("call_service", service="/no_such_service")
-    assert [answer.get("topic") for answer in answers(late, 5)][:3] == topics
+    assert sorted(answer["topic"] for answer in answers(late, 3)) == topics
 
 
 @pytest.mark.parametrize(("calls", "options"), [(1, {"fragment_size": 1000}), (30, {})], ids=["in parts", "many"])

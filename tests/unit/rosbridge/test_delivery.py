@@ -1,6 +1,7 @@
 """How often a subscriber gets messages, and what becomes of those that must wait."""
 
 import json
+import pickle
 from typing import Any
 
 import cbor2
@@ -8,6 +9,7 @@ import pytest
 
 from server.messages.types import Types
 from server.rosbridge.delivery import Delivery, Form
+from server.rosbridge.outgoing import takes_long
 from server.rosbridge.subscription import Subscription, Terms
 
 TYPE = Types().message("std_msgs/Int8")
@@ -111,3 +113,33 @@ def test_nothing_is_due_after_the_end() -> None:
     queued.offer(message(1), 0.0)
     queued.end()
     assert queued.due is None
+
+
+@pytest.mark.parametrize(
+    ("name", "size", "compression", "long"),
+    [
+        ("nav_msgs/OccupancyGrid", 60_000, "none", False),
+        ("nav_msgs/OccupancyGrid", 70_000, "none", True),
+        ("nav_msgs/OccupancyGrid", 70_000, "cbor", False),
+        ("nav_msgs/OccupancyGrid", 1_100_000, "cbor-raw", True),
+        ("sensor_msgs/PointCloud2", 70_000, "none", False),
+        ("sensor_msgs/PointCloud2", 70_000, "png", True),
+        ("sensor_msgs/PointCloud2", 1_100_000, "none", True),
+        ("std_msgs/String", 70_000, "none", False),
+        ("std_msgs/String", 1_100_000, "none", True),
+    ],
+)
+def test_what_is_long_is_made_elsewhere(name: str, size: int, compression: str, long: bool) -> None:
+    assert takes_long(Types().message(name), bytes(size), compression) is long
+
+
+def test_another_process_makes_the_same() -> None:
+    there = pickle.loads(pickle.dumps(message(7)))
+    assert there.frames(Form("/a")) == message(7).frames(Form("/a"))
+
+
+@pytest.mark.parametrize("name", ["std_msgs/Int8", "std_srvs/SetBoolRequest", "std_srvs/SetBoolResponse"])
+def test_a_type_is_known_by_its_name_in_another_process(name: str) -> None:
+    service = Types().service("std_srvs/SetBool")
+    here = {"std_srvs/SetBoolRequest": service.request, "std_srvs/SetBoolResponse": service.response}.get(name, TYPE)
+    assert pickle.loads(pickle.dumps(here)).name == here.name

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 
 from server.access.identity import GUEST, OPERATOR, session_identity
+from server.messages.types import ConversionError
 from server.rosbridge.compression import encode
 from server.rosbridge.effects import (
     CallService,
@@ -21,6 +22,7 @@ from server.rosbridge.effects import (
     Response,
     Send,
 )
+from server.rosbridge.outgoing import replied
 from server.rosbridge.protocol import Client
 from server.websocket.requests import one_line
 from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
@@ -190,15 +192,11 @@ def test_a_client_cannot_open_topics_without_end(server: Server) -> None:
     assert "100 times" in error(say(client, op="subscribe", topic="/s0", id="more"))["msg"]
 
 
-def test_a_response_that_is_not_of_its_type_is_a_failed_call(server: Server) -> None:
-    client = server.client()
-    (call,) = say(client, op="call_service", service="/add")
+def test_a_response_that_is_not_of_its_type_is_none(server: Server) -> None:
+    (call,) = say(server.client(), op="call_service", service="/add")
     assert isinstance(call, CallService)
-    status, response = without_log(call.done(Response(server.types.message("std_msgs/Int8"), b"too long"), "", 0.0))
-    assert isinstance(status, Send)
-    assert isinstance(response, Send)
-    assert json.loads(status.data)["level"] == "error"
-    assert json.loads(response.data)["result"] is False
+    with pytest.raises(ConversionError):
+        replied(call.reply, Response(server.types.message("std_msgs/Int8"), b"too long"))
 
 
 def test_a_refusal_to_drive_is_told_once_a_second_or_when_its_reason_changes(server: Server) -> None:

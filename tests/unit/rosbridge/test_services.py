@@ -18,6 +18,7 @@ from server.rosbridge.effects import (
     Send,
 )
 from server.rosbridge.offered_services import OfferedServices
+from server.rosbridge.outgoing import replied
 from tests.unit.rosbridge.clients import Server, error, say, without_log
 
 
@@ -26,8 +27,8 @@ def test_a_service_call_is_answered_with_its_id(server: Server) -> None:
     (call,) = say(client, op="call_service", service="add", id="c1", args=[1, 2], timeout=2.5)
     assert isinstance(call, CallService)
     assert (call.service, call.args, call.timeout) == ("/add", [1, 2], 2.5)
-    added = Response(server.types.message("std_msgs/Int8"), b"\x03")
-    assert call.done(added, "", 0.0) == [
+    messages = replied(call.reply, Response(server.types.message("std_msgs/Int8"), b"\x03"))
+    assert call.done(messages, "", 0.0) == [
         Send('{"op":"service_response","service":"add","id":"c1","values":{"data":3},"result":true}')
     ]
 
@@ -36,7 +37,7 @@ def test_a_failed_service_call_is_told_twice(server: Server) -> None:
     (call,) = say(server.client(), op="call_service", service="/add")
     assert isinstance(call, CallService)
     assert (call.args, call.timeout) == ({}, math.inf)
-    assert without_log(call.done(None, "no such service", 0.0)) == [
+    assert without_log(call.done((), "no such service", 0.0)) == [
         Send('{"op":"status","level":"error","msg":"call_service /add: no such service"}'),
         Send('{"op":"service_response","service":"/add","values":"no such service","result":false}'),
     ]
@@ -59,7 +60,7 @@ def test_service_calls_under_way_are_counted(server: Server) -> None:
     calls = [say(client, op="call_service", service="/a")[0] for _ in range(100)]
     assert len(say(client, op="call_service", service="/a")) == 2
     assert isinstance(calls[0], CallService)
-    calls[0].done(None, "late", 0.0)
+    calls[0].done((), "late", 0.0)
     (call,) = say(client, op="call_service", service="/a")
     assert isinstance(call, CallService)
 

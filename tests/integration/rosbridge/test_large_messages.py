@@ -1,0 +1,170 @@
+"""Messages that take long to encode: a process of its own does it, and nobody else waits for it."""
+
+import itertools
+import os
+import signal
+from collections.abc import Callable, Iterator
+
+import psutil
+import pytest
+
+from tests.integration.rosbridge.conftest import Rosbridge
+from tests.integration.rosbridge.ends import Client
+from tests.support.polling import until
+from tests.support.ros import RosMaster
+
+CELLS = 300 * 300
+MAP = "nav_msgs/OccupancyGrid"
+TEXT = "std_msgs/String"
+Connect = Callable[..., Client]
+NUMBERS = itertools.count()
+
+
+def cells(number: int, count: int = CELLS) -> dict[str, object]:
+    """A map that begins with that number."""
+    return {"data": [number, -1, -128, *[cell % 128 for cell in range(count - 3)]]}
+
+
+def first_cells(page: Client, count: int) -> list[int]:
+    """Of the next maps; an assertion about whole ones would print them."""
+    return [page.hear(20)["msg"]["data"][0] for _ in range(count)]
+
+
+def is_there(client: Client, service: str) -> bool:
+    client.say("call_service", service="/rosapi/services")
+    return service in client.hear()["values"]["services"]
+
+
+def encoder_of(rosbridge: Rosbridge) -> psutil.Process | None:
+    """The process that encodes."""
+    children = psutil.Process(rosbridge.program.process.pid).children()
+    found = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+    return found[0] if found else None
+
+
+@pytest.fixture
+def topic() -> str:
+    """No other test's: a latched map outlives its client for a while."""
+    return f"/map{next(NUMBERS)}"
+
+
+@pytest.fixture
+def maps(client: Connect, topic: str) -> Client:
+    """Draws maps."""
+    maps = client().operate()
+    maps.say("advertise", topic=topic, type=MAP, latch=True)
+    return maps
+
+
+@pytest.fixture
+def page(client: Connect, maps: Client, topic: str) -> Client:
+    """Looks at maps, and has one already."""
+    page = client().operate()
+    maps.say("publish", topic=topic, msg=cells(0))
+    page.say("subscribe", topic=topic, type=MAP)
+    assert first_cells(page, 1) == [0]
+    return page
+
+
+@pytest.fixture
+def frozen(rosbridge: Rosbridge, page: Client) -> Iterator[psutil.Process]:
+    """The process, which stands still."""
+    process = encoder_of(rosbridge)
+    assert process is not None
+    process.send_signal(signal.SIGSTOP)
+    yield process
+    process.send_signal(signal.SIGCONT)
+
+
+def test_maps_come_whole_and_in_order(topic: str, maps: Client, page: Client) -> None:
+    sent = [cells(1), cells(2, 5), cells(3), cells(4, 5)]
+    for message in sent:
+        maps.say("publish", topic=topic, msg=message)
+    heard = [page.hear(20)["msg"]["data"] == message["data"] for message in sent]
+    assert all(heard), heard
+
+
+def test_who_comes_later_gets_the_latched_map(client: Connect, topic: str, page: Client) -> None:
+    later = client().operate()
+    later.say("subscribe", topic=topic, type=MAP)
+    assert first_cells(later, 1) == [0]
+
+
+def test_nobody_waits_for_a_map_but_the_topic(topic: str, maps: Client, page: Client, frozen: psutil.Process) -> None:
+    maps.say("publish", topic=topic, msg=cells(1))
+    maps.say("publish", topic=topic, msg=cells(2, 5))
+    page.say("subscribe", topic="/say", type=TEXT)
+    maps.say("advertise", topic="/say", type=TEXT, latch=True)
+    for number in range(20):
+        maps.say("publish", topic="/say", msg={"data": str(number)})
+    heard: list[str] = []
+    while len(heard) < 20:
+        message = page.hear()
+        assert message["topic"] == "/say"
+        heard.append(message["msg"]["data"])
+    assert heard == list(map(str, range(20)))
+    frozen.send_signal(signal.SIGCONT)
+    assert first_cells(page, 2) == [1, 2]
+
+
+def test_who_unsubscribes_meanwhile_gets_no_map(topic: str, maps: Client, page: Client, frozen: psutil.Process) -> None:
+    maps.say("publish", topic=topic, msg=cells(1))
+    for one in (maps, page):
+        one.say("call_service", service="/rosapi/get_time", id="has come so far")
+        assert one.hear()["id"] == "has come so far"
+    page.say("unsubscribe", topic=topic)
+    frozen.send_signal(signal.SIGCONT)
+    assert page.hears_nothing_for_now()
+
+
+def test_when_the_process_dies_the_next_map_comes(rosbridge: Rosbridge, topic: str, maps: Client, page: Client) -> None:
+    process = encoder_of(rosbridge)
+    assert process is not None
+    process.kill()
+
+    def comes() -> bool:
+        maps.say("publish", topic=topic, msg=cells(7))
+        return not page.hears_nothing_for_now(2)
+
+    until(comes, 20)
+    assert encoder_of(rosbridge) != process
+
+
+def test_it_never_has_the_priority_of_commands(rosbridge: Rosbridge, page: Client) -> None:
+    process = encoder_of(rosbridge)
+    assert process is not None
+    assert os.sched_getscheduler(process.pid) == os.SCHED_OTHER
+    assert process.nice() == 10
+
+
+@pytest.mark.parametrize("compression", ["none", "png", "cbor"])
+def test_long_answers_of_services_come_whole(client: Connect, compression: str) -> None:
+    server, caller = client().operate(), client().operate()
+    server.say("advertise_service", service="/long", type="std_srvs/Trigger")
+    until(lambda: is_there(caller, "/long"), 10)
+    caller.say("call_service", service="/long", id="1", compression=compression)
+    request = server.hear()
+    values = {"success": True, "message": "long " * 300_000}
+    server.say("service_response", service="/long", id=request["id"], values=values, result=True)
+    answer = caller.hear_cbor(20) if compression == "cbor" else caller.hear(20)
+    if compression == "png":
+        assert answer["op"] == "png"
+        return
+    assert (answer["id"], answer["values"], answer["result"]) == ("1", values, True)
+
+
+@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGINT])
+def test_it_ends_with_rosbridge(own_master: RosMaster, topic: str, end: signal.Signals) -> None:
+    own_master.start()
+    own = Rosbridge(own_master)
+    own.program.wait_for("listening")
+    with Client(own.port).operate() as page:
+        page.say("subscribe", topic=topic, type=MAP)
+        page.say("advertise", topic=topic, type=MAP, latch=True)
+        page.say("publish", topic=topic, msg=cells(0))
+        assert first_cells(page, 1) == [0]
+        process = encoder_of(own)
+        assert process is not None
+        own.program.process.send_signal(end)
+        own.program.process.wait(10)
+        process.wait(5)
