@@ -51,7 +51,7 @@ class MessageType:
 
     def __reduce__(self) -> tuple[Callable[[str], "MessageType"], tuple[str]]:
         """Another process has the type by its name."""
-        return _known, (self.name,)
+        return known_type, (self.name,)
 
     @cached_property
     def pack(self) -> Pack:
@@ -154,7 +154,7 @@ def _types() -> Types:
     return Types()
 
 
-def _known(name: str) -> MessageType:
+def known_type(name: str) -> MessageType:
     """A message's type, or that of a service's request or response."""
     for end, part in (("Request", "request"), ("Response", "response")):
         if name.endswith(end):

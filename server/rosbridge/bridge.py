@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from functools import partial
+from pickle import PickleBuffer
 from typing import Any
 
 import genpy
@@ -35,9 +36,11 @@ from server.rosbridge.effects import (
     Replay,
     Response,
     Send,
+    Unpack,
 )
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
+from server.rosbridge.large_requests import unpacked
 from server.rosbridge.metrics import Delays, metrics, missing
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.outgoing import replied, replied_frames, takes_long
@@ -49,7 +52,7 @@ from server.rosbridge.subscription import Subscription
 from server.websocket.connection import Connection
 from server.websocket.frames import Framed
 from server.websocket.limits import SocketOwner, owner_of
-from server.websocket.requests import RequestError, one_line
+from server.websocket.requests import Request, RequestError, one_line
 from tcpros.clock import Clock
 from tcpros.node import Node
 
@@ -87,6 +90,7 @@ class Bridge:
         self._performers: dict[type, Callable[[Client | None, Any], object]] = {
             Publish: lambda _, effect: ros.publish(*effect),
             Send: self._send,
+            Unpack: self._unpack,
             Log: self._log,
             OpenPublisher: lambda _, effect: ros.open_publisher(*effect),
             ClosePublisher: lambda _, effect: ros.close_publisher(*effect),
@@ -159,6 +163,22 @@ class Bridge:
         if connection:
             connection.reply(effect.data, *effect.rest)
 
+    def _unpack(self, client: Client | None, effect: Unpack) -> None:
+        if client in self._connections:
+            self._connections[client].hold()
+            self._start(self._read_outside(client, effect))
+
+    async def _read_outside(self, client: Client, effect: Unpack) -> None:
+        types, now = self._graph.types(), self._clock.nanoseconds()
+        try:
+            request = Request(await self._outside.do(unpacked, effect.text, effect.wrapper, types, now))
+            effects = client.handle(request, self._loop.time())
+        except (RequestError, RuntimeError) as error:
+            effects = client.report("error", str(error), self._loop.time())
+        if client in self._connections:
+            self._perform(client, effects)
+            self._connections[client].release()
+
     def _log(self, client: Client | None, effect: Log) -> None:
         connection = self._connections.get(client) if client else None
         if connection:
@@ -201,7 +221,8 @@ class Bridge:
     async def _replied(self, call: CallService, response: Response) -> Sequence[str | bytes]:
         """What the client gets."""
         if takes_long(*response, call.reply.compression):
-            return [Framed(await self._outside.make(replied_frames, call.reply, response))]
+            data = PickleBuffer(response.data)  # which is not copied
+            return [Framed(await self._outside.make(replied_frames, call.reply, response.type, data))]
         return replied(call.reply, response)
 
     def _open_service(self, client: Client | None, effect: OpenService) -> None:

@@ -1,5 +1,6 @@
 """A message on its way from ROS to clients: encoded once in each form that somebody wants."""
 
+from pickle import PickleBuffer
 from typing import Any, NamedTuple
 
 from server.messages.types import MessageType
@@ -26,8 +27,8 @@ class Delivery:
         self._json = ""
         self._frames: dict[Form, bytes] = {}
 
-    def __reduce__(self) -> tuple[type["Delivery"], tuple[MessageType, bytes, int]]:
-        return Delivery, (self._type, self._data, self._stamp)
+    def __reduce_ex__(self, _: object) -> tuple[type["Delivery"], tuple[MessageType, PickleBuffer, int]]:
+        return Delivery, (self._type, PickleBuffer(self._data), self._stamp)
 
     def __len__(self) -> int:
         """Bytes of the message."""

@@ -20,6 +20,14 @@ class Log(NamedTuple):
     text: str
 
 
+class Unpack(NamedTuple):
+    """A request that takes long to read, as JSON; `wrapper`: the operation that it was in, if any. What the client
+    sends next waits for it."""
+
+    text: str
+    wrapper: str = ""
+
+
 class OpenPublisher(NamedTuple):
     """Nobody advertised this topic before."""
 
@@ -123,6 +131,7 @@ class Answer(NamedTuple):
 
 Effect = (
     Send
+    | Unpack
     | Log
     | OpenPublisher
     | ClosePublisher

@@ -51,6 +51,10 @@ class Graph:
         open_topic = self._topics.get(topic)
         return open_topic.type if open_topic else None
 
+    def types(self) -> dict[str, str]:
+        """Names of the types of all open topics."""
+        return {topic: opened.type.name for topic, opened in self._topics.items()}
+
     def subscriptions(self, topic: str) -> Iterable[Subscription]:
         open_topic = self._topics.get(topic)
         return open_topic.subscriptions.values() if open_topic else ()

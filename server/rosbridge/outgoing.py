@@ -36,9 +36,9 @@ def replied(reply: Reply, response: Response) -> list[str | bytes]:
     return outgoing(text, reply.compression, reply.fragment_size)
 
 
-def replied_frames(reply: Reply, response: Response) -> bytes:
+def replied_frames(reply: Reply, message_type: MessageType, data: bytes) -> bytes:
     """The same as it goes to the socket."""
-    return b"".join(map(frame, replied(reply, response)))
+    return b"".join(map(frame, replied(reply, Response(message_type, data))))
 
 
 def takes_long(message_type: MessageType, data: bytes, compression: str) -> bool:

@@ -9,7 +9,8 @@ from functools import partial
 from server.rosbridge.capabilities import CAPABILITIES
 from server.rosbridge.capabilities.service_offers import ServiceOffers
 from server.rosbridge.context import Context, TypeWantedError, UnsettledError
-from server.rosbridge.effects import Effect, FindType, Later, OpenSubscription, Replay
+from server.rosbridge.effects import Effect, FindType, Later, OpenSubscription, Replay, Unpack
+from server.rosbridge.large_requests import LARGE_TEXT
 from server.websocket.requests import Request, RequestError, brief, parse
 
 # Requests of one client that wait for the types of their topics, or for its subscriptions.
@@ -30,6 +31,8 @@ class Client(Context):
 
     def receive(self, text: str | bytes, now: float) -> list[Effect]:
         """A WebSocket message has come from the client."""
+        if isinstance(text, str) and len(text) > LARGE_TEXT:
+            return [Unpack(text)]
         try:
             request = Request(parse(text))
         except RequestError as error:

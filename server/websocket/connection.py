@@ -52,6 +52,7 @@ class Connection(asyncio.BufferedProtocol):
         "_end",
         "_frames",
         "_heard",
+        "_held",
         "_max_replies",
         "_moved",
         "_outbox",
@@ -82,6 +83,7 @@ class Connection(asyncio.BufferedProtocol):
         self._end = "the connection is lost"
         self._controls = 0
         self._heard = True  # since the last ping
+        self._held = False  # nothing more is handled before what is under way
         now = state.loop.time()
         self._ping_at = now + PING_INTERVAL
         self._moved, self._unsent = now, 0  # when something was taken, and what was not
@@ -156,7 +158,7 @@ class Connection(asyncio.BufferedProtocol):
                 self._give_up(f"it has not read for {STALL:g} s")
         elif now >= self._ping_at:
             interval = PING_INTERVAL_OF_OPERATORS if self._is_operator else PING_INTERVAL
-            if not self._heard:
+            if not (self._heard or self._held):
                 self._give_up(f"nothing was heard of it for {interval:g} s after a ping")
                 return
             self._heard, self._ping_at = False, now + interval
@@ -222,7 +224,7 @@ class Connection(asyncio.BufferedProtocol):
         controls = messages = size = 0
         take, received = self._frames.take, self._state.bridge.received
         try:
-            while not self._closing:
+            while not (self._closing or self._held):
                 message = take()
                 if message is None:
                     return True
@@ -242,7 +244,19 @@ class Connection(asyncio.BufferedProtocol):
             self.close(CloseCode.INTERNAL_ERROR)
         return True
 
+    def hold(self) -> None:
+        """Handle no further message until `release`."""
+        self._held = True
+        self._transport.pause_reading()
+
+    def release(self) -> None:
+        self._held = False
+        if not self._closing:
+            self._state.scheduler.wait(self)
+
     def resume(self) -> None:
+        if self._held:
+            return
         self._heard = True  # it was not listened to meanwhile
         self._transport.resume_reading()
 

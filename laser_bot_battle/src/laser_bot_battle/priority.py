@@ -37,11 +37,11 @@ def take(realtime: int) -> None:
         _log.info("runs at nice %d", NICE)
 
 
-def give_back_here() -> None:
-    """This thread, and what it starts, have the usual priority."""
+def keep_to_oneself() -> None:
+    """What this thread starts has the usual priority. The thread keeps its own: others wait for what it holds."""
     with contextlib.suppress(OSError):
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-        os.setpriority(os.PRIO_PROCESS, 0, 0)
+        policy = os.sched_getscheduler(0)
+        os.sched_setscheduler(0, policy | os.SCHED_RESET_ON_FORK, os.sched_getparam(0))
 
 
 def _give_back_when_busy() -> None:

@@ -9,6 +9,7 @@ from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import Context, TypeWantedError, UnsettledError
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import Effect, Publish
+from server.rosbridge.large_requests import serialized
 from server.websocket.requests import Id, Request, RequestError
 
 MAX_TOPICS = 1000
@@ -89,7 +90,7 @@ class Publishing(Capability):
         shots: list[Publish] = []
         if message_type is None:
             message_type = client.topic_type(topic, request.optional_text("type", ""))
-        data = message_type.pack(request.fields.get("msg", {}), client.clock.now)
+        data = serialized(message_type, request.fields.get("msg", {}), client.clock.now)
         if topic in COMMAND_TOPICS:
             client.gate.check_command(client.identity, data)
             client.drivers.commanded(client, client.identity, topic, data)

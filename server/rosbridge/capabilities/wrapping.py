@@ -5,14 +5,14 @@ from collections.abc import Mapping
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.compression import from_png
 from server.rosbridge.context import Context
-from server.rosbridge.effects import Effect
+from server.rosbridge.effects import Effect, Unpack
 from server.rosbridge.fragments import Reassembly
+from server.rosbridge.large_requests import LARGE_TEXT, refuse_nested
 from server.websocket.requests import Request, RequestError, parse
 
 # Characters of all parts that wait for the rest: as much as one message may have.
 MAX_SIZE = 8 * 2**20
 MAX_SIZE_OF_GUESTS = 64 * 2**10
-WRAPPERS = ("fragment", "png")
 
 
 class Wrapping(Capability):
@@ -39,8 +39,9 @@ class Wrapping(Capability):
         return []
 
     def _unwrap(self, text: str, wrapper: str, now: float) -> list[Effect]:
-        """Carry out what was inside: never the same wrapper again, so that it ends. A picture may come in parts."""
+        """Carry out what was inside."""
+        if len(text) > LARGE_TEXT:
+            return [Unpack(text, wrapper)]
         fields = parse(text)
-        if fields.get("op") == wrapper or (wrapper == "png" and fields.get("op") in WRAPPERS):
-            raise RequestError(f"a {wrapper} within a {wrapper} is not understood")
+        refuse_nested(fields, wrapper)
         return self.client.handle(Request(fields), now)

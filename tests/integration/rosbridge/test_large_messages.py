@@ -1,6 +1,7 @@
 """Messages that take long to encode: a process of its own does it, and nobody else waits for it."""
 
 import itertools
+import json
 import os
 import signal
 from collections.abc import Callable, Iterator
@@ -8,8 +9,10 @@ from collections.abc import Callable, Iterator
 import psutil
 import pytest
 
+from server.rosbridge.compression import to_png
+from server.rosbridge.fragments import split
 from tests.integration.rosbridge.conftest import Rosbridge
-from tests.integration.rosbridge.ends import Client
+from tests.integration.rosbridge.ends import Client, RosSide
 from tests.support.polling import until
 from tests.support.ros import RosMaster
 
@@ -20,7 +23,7 @@ Connect = Callable[..., Client]
 NUMBERS = itertools.count()
 
 
-def cells(number: int, count: int = CELLS) -> dict[str, object]:
+def cells(number: int, count: int = CELLS) -> dict[str, list[int]]:
     """A map that begins with that number."""
     return {"data": [number, -1, -128, *[cell % 128 for cell in range(count - 3)]]}
 
@@ -28,6 +31,12 @@ def cells(number: int, count: int = CELLS) -> dict[str, object]:
 def first_cells(page: Client, count: int) -> list[int]:
     """Of the next maps; an assertion about whole ones would print them."""
     return [page.hear(20)["msg"]["data"][0] for _ in range(count)]
+
+
+def knows(ros: RosSide, topic: str, page: Client) -> bool:
+    """The ROS side's publisher has found the page."""
+    ros.publish(topic, MAP, data=[])
+    return not page.hears_nothing_for_now(0.1)
 
 
 def is_there(client: Client, service: str) -> bool:
@@ -38,7 +47,7 @@ def is_there(client: Client, service: str) -> bool:
 def encoder_of(rosbridge: Rosbridge) -> psutil.Process | None:
     """The process that encodes."""
     children = psutil.Process(rosbridge.program.process.pid).children()
-    found = [child for child in children if "spawn_main" in " ".join(child.cmdline())]
+    found = [child for child in children if "server.rosbridge.outside" in " ".join(child.cmdline())]
     return found[0] if found else None
 
 
@@ -90,31 +99,25 @@ def test_who_comes_later_gets_the_latched_map(client: Connect, topic: str, page:
     assert first_cells(later, 1) == [0]
 
 
-def test_nobody_waits_for_a_map_but_the_topic(topic: str, maps: Client, page: Client, frozen: psutil.Process) -> None:
-    maps.say("publish", topic=topic, msg=cells(1))
-    maps.say("publish", topic=topic, msg=cells(2, 5))
+def test_nobody_waits_for_a_map_but_the_topic(
+    topic: str, client: Connect, ros: RosSide, page: Client, frozen: psutil.Process
+) -> None:
+    until(lambda: knows(ros, topic, page), 20)
+    for message in (cells(1), cells(2, 5)):
+        ros.publish(topic, MAP, **message)
     page.say("subscribe", topic="/say", type=TEXT)
-    maps.say("advertise", topic="/say", type=TEXT, latch=True)
+    other = client().operate()
+    other.say("advertise", topic="/say", type=TEXT, latch=True)
     for number in range(20):
-        maps.say("publish", topic="/say", msg={"data": str(number)})
+        other.say("publish", topic="/say", msg={"data": str(number)})
     heard: list[str] = []
     while len(heard) < 20:
-        message = page.hear()
-        assert message["topic"] == "/say"
-        heard.append(message["msg"]["data"])
+        said = page.hear()
+        assert said["topic"] == "/say"
+        heard.append(said["msg"]["data"])
     assert heard == list(map(str, range(20)))
     frozen.send_signal(signal.SIGCONT)
     assert first_cells(page, 2) == [1, 2]
-
-
-def test_who_unsubscribes_meanwhile_gets_no_map(topic: str, maps: Client, page: Client, frozen: psutil.Process) -> None:
-    maps.say("publish", topic=topic, msg=cells(1))
-    for one in (maps, page):
-        one.say("call_service", service="/rosapi/get_time", id="has come so far")
-        assert one.hear()["id"] == "has come so far"
-    page.say("unsubscribe", topic=topic)
-    frozen.send_signal(signal.SIGCONT)
-    assert page.hears_nothing_for_now()
 
 
 def test_when_the_process_dies_the_next_map_comes(rosbridge: Rosbridge, topic: str, maps: Client, page: Client) -> None:
@@ -168,3 +171,54 @@ def test_it_ends_with_rosbridge(own_master: RosMaster, topic: str, end: signal.S
         own.program.process.send_signal(end)
         own.program.process.wait(10)
         process.wait(5)
+
+
+@pytest.mark.parametrize("wrapper", ["", "fragment", "png"])
+def test_large_requests_come_whole_and_in_order(topic: str, maps: Client, page: Client, wrapper: str) -> None:
+    for number in (1, 2):
+        say_in(wrapper, maps, op="publish", topic=topic, msg=cells(number))
+        maps.say("publish", topic=topic, msg=cells(10 + number, 5))
+    assert first_cells(page, 4) == [1, 11, 2, 12]
+
+
+def test_nobody_waits_for_a_large_request_but_its_client(
+    topic: str, client: Connect, maps: Client, page: Client, frozen: psutil.Process
+) -> None:
+    maps.say("publish", topic=topic, msg=cells(1))
+    maps.say("call_service", service="/rosapi/get_time", id="later")
+    other = client().operate()
+    other.say("call_service", service="/rosapi/get_time", id="now")
+    assert other.hear()["id"] == "now"
+    assert maps.hears_nothing_for_now()
+    frozen.send_signal(signal.SIGCONT)
+    assert maps.hear(20)["id"] == "later"
+    assert first_cells(page, 1) == [1]
+
+
+@pytest.mark.parametrize(
+    ("request_", "error"),
+    [
+        ({"op": "publish", "topic": "/x", "type": "std_msgs/Int8", "msg": {"data": "y" * 10**5}}, "data: int8 is"),
+        ({"op": "publish", "topic": "/x", "type": "no/Such", "msg": {"data": "y" * 10**5}}, "no/Such"),
+        ({"op": "publish", "topic": 5, "msg": {"data": "y" * 10**5}}, "'topic'"),
+        ({"op": "y" * 10**5}, "is unknown here"),
+        ({"op": "png", "data": "y" * 10**5}, "no text in a PNG image"),
+    ],
+)
+def test_what_is_wrong_with_a_large_request_is_told(client: Connect, request_: dict[str, object], error: str) -> None:
+    wrong = client().operate()
+    wrong.socket.send(json.dumps(request_))
+    assert error in wrong.hear_error()
+    wrong.say("call_service", service="/rosapi/get_time", id="goes on")
+    assert wrong.hear()["id"] == "goes on"
+
+
+def say_in(wrapper: str, client: Client, **request: object) -> None:
+    text = json.dumps(request)
+    if wrapper == "png":
+        client.say("png", data=to_png(text))
+    elif wrapper == "fragment":
+        for fragment in split(text, 50_000, "1"):
+            client.socket.send(fragment)
+    else:
+        client.socket.send(text)

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+from nav_msgs.msg import OccupancyGrid
 
 from laser_bot_battle.msg import GameStatus
 from server.access.identity import GUEST
@@ -68,3 +69,43 @@ def test_a_call_without_time_out_ends_with_its_client(monkeypatch: pytest.Monkey
             await ended.wait()
 
     asyncio.run(scenario())
+
+
+def test_who_unsubscribes_while_a_large_message_is_encoded_does_not_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    text = "nav_msgs/OccupancyGrid"
+
+    async def scenario() -> list[str]:
+        node = Node("rosbridge", "http://127.0.0.1:1")
+        bridge = Bridge(node, Types(), Clock(), Gate(""), is_open=True)
+        encoded = asyncio.Event()
+        heard: list[str] = []
+
+        async def make(*_: object) -> bytes:
+            await encoded.wait()
+            return b"frames"
+
+        monkeypatch.setattr(bridge._outside, "make", make)
+        for name in ("stays", "goes"):
+            connection: Any = SimpleNamespace(
+                address=name, move=lambda _: None, message=lambda *_, name=name: heard.append(name)
+            )
+            client = bridge.connected(connection, GUEST)
+            bridge.received(client, f'{{"op":"subscribe","topic":"/map","type":"{text}"}}')
+        async with asyncio.timeout(10):
+            while len(list(bridge._graph.subscriptions("/map"))) < 2:  # the ROS master is asked for its type first
+                await asyncio.sleep(0.01)
+            (subscriber,) = [each for each in node.subscribers() if each.topic == "/map"]
+            subscriber._received(large_map(), {})
+            bridge.received(client, '{"op":"unsubscribe","topic":"/map"}')
+            encoded.set()
+            while bridge._lines:
+                await asyncio.sleep(0.01)
+        return heard
+
+    assert asyncio.run(scenario()) == ["stays"]
+
+
+def large_map() -> bytes:
+    data = io.BytesIO()
+    OccupancyGrid(data=[0] * 100_000).serialize(data)
+    return data.getvalue()

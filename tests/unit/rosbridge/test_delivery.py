@@ -134,7 +134,7 @@ def test_what_is_long_is_made_elsewhere(name: str, size: int, compression: str, 
 
 
 def test_another_process_makes_the_same() -> None:
-    there = pickle.loads(pickle.dumps(message(7)))
+    there = pickle.loads(pickle.dumps(message(7), protocol=5))
     assert there.frames(Form("/a")) == message(7).frames(Form("/a"))
 
 

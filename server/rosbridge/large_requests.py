@@ -1,0 +1,61 @@
+"""Requests that take long to read become short ones outside the event loop: a message is there as ROS gets it."""
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import genpy
+
+from server.messages.fitting import Now
+from server.messages.types import ConversionError, MessageType, known_type
+from server.rosbridge.compression import from_png
+from server.websocket.requests import Request, RequestError, parse
+
+LARGE_TEXT = 64 * 2**10  # characters; shorter ones are read in a few ms
+WRAPPERS = ("fragment", "png")
+
+
+class Packed(NamedTuple):
+    """The value of a message's field: serialized, or why it could not be."""
+
+    type: str
+    data: bytes
+    error: str = ""
+
+
+def unpacked(text: str, wrapper: str, types: Mapping[str, str], now: int) -> dict[str, Any]:
+    """The fields of the request in `text`, in which the message of a publish is Packed if its type is known. `types`:
+    those of the topics in use, by name; `now`: ROS's time, ns. RequestError when there is no request."""
+    fields = parse(text)
+    if fields.get("op") == "png" and wrapper != "png":
+        fields, wrapper = parse(from_png(Request(fields).text("data"))), "png"
+    refuse_nested(fields, wrapper)
+    if fields.get("op") == "publish":
+        request = Request(fields)
+        name = types.get(request.ros_name("topic")) or request.optional_text("type", "")
+        if name:
+            fields["msg"] = _packed(name, fields.get("msg", {}), now)
+    return fields
+
+
+def refuse_nested(fields: Mapping[str, Any], wrapper: str) -> None:
+    """Never the same wrapper again, so that it ends. A picture may come in parts."""
+    if wrapper and (fields.get("op") == wrapper or (wrapper == "png" and fields.get("op") in WRAPPERS)):
+        raise RequestError(f"a {wrapper} within a {wrapper} is not understood")
+
+
+def serialized(message_type: MessageType, value: Any, now: Now) -> bytes:
+    """What ROS gets. ConversionError when the value does not fit."""
+    if type(value) is not Packed:
+        return message_type.pack(value, now)
+    if value.error:
+        raise ConversionError(value.error)
+    if value.type != message_type.name:
+        raise ConversionError(f"the message is a {value.type}, not a {message_type.name}")
+    return value.data
+
+
+def _packed(name: str, value: Any, now: int) -> Packed:
+    try:
+        return Packed(name, known_type(name).pack(value, lambda: genpy.Time(0, now)))
+    except ConversionError as error:
+        return Packed(name, b"", str(error))
