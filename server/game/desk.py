@@ -10,6 +10,7 @@ from typing import Any
 from laser_bot_battle.names import Game
 from server.game import events
 from server.game.events import Event
+from server.game.people import BY_OPERATOR
 from server.game.rules import DECLARED, Rules, checked
 from server.game.state import State
 from server.game.users import is_same_name, is_valid_name
@@ -40,10 +41,9 @@ def start(state: State, rules: Rules, by: str) -> list[Event]:
 def abort(state: State, _rules: Rules, by: str) -> list[Event]:
     """Countdown or battle end, and nobody has won."""
     _check_runs(state)
-    cause = "the operator has ended it"
     if state.game is Game.COUNTDOWN:
-        return [events.CountdownStopped(cause, by)]
-    return [events.BattleEnded(state.battle, cause, state.ranking(), counts=False, by=by)]
+        return [events.CountdownStopped(BY_OPERATOR, by)]
+    return [events.BattleEnded(state.battle, BY_OPERATOR, state.ranking(), counts=False, by=by)]
 
 
 def pause(state: State, _rules: Rules, by: str) -> list[Event]:

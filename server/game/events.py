@@ -1,12 +1,14 @@
 """What the referee decides. Nothing else changes the game, so a battle can be played again from its events.
 
 Each event's `str` is the line of log for people. `by` is the name of the operator who decided it; empty: the rules did.
+What names a person, or may do so, has a type of `server.game.people`: by that, who is forgotten is found.
 """
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from server.game.people import Cause, How, Name, Words
 from server.game.snapshot import Placing
 
 
@@ -51,7 +53,7 @@ class RobotGone:
 
 @dataclass(frozen=True, slots=True)
 class SignedUp:
-    name: str
+    name: Name
     robot: int
     session: str  # SHA-256 (hex) of the session token
     avatar: int
@@ -65,7 +67,7 @@ class SignedUp:
 class Queued:
     """Waits for a robot, behind all who do already."""
 
-    name: str
+    name: Name
     session: str
     avatar: int
     address: str = ""
@@ -78,7 +80,7 @@ class Queued:
 class Offered:
     """A robot is kept for somebody in the queue."""
 
-    name: str
+    name: Name
     robot: int
     seconds: float  # to take it
 
@@ -90,7 +92,7 @@ class Offered:
 class Seated:
     """Has taken the robot that was offered."""
 
-    name: str
+    name: Name
 
     def __str__(self) -> str:
         return f"{self.name} has taken the robot"
@@ -100,8 +102,8 @@ class Seated:
 class Unseated:
     """Gives the robot up for others, and waits behind them."""
 
-    name: str
-    how: str  # after the name: "was not ready for 60 s while others waited"
+    name: Name
+    how: How  # after the name: "was not ready for 60 s while others waited"
     first: bool = False  # waits before the others instead, since it is nobody's fault
 
     def __str__(self) -> str:
@@ -110,9 +112,9 @@ class Unseated:
 
 @dataclass(frozen=True, slots=True)
 class Left:
-    name: str
-    how: str  # after the name: "signed out", "left the page", "lost the robot"
-    by: str = ""
+    name: Name
+    how: How  # after the name: "signed out", "left the page", "lost the robot"
+    by: Name = ""
 
     def __str__(self) -> str:
         return f"{self.name} {self.how}{_signature(self.by)}"
@@ -120,7 +122,7 @@ class Left:
 
 @dataclass(frozen=True, slots=True)
 class ReadyChanged:
-    name: str
+    name: Name
     ready: bool
 
     def __str__(self) -> str:
@@ -131,7 +133,7 @@ class ReadyChanged:
 class TeamChosen:
     """For the battles to come."""
 
-    name: str
+    name: Name
     team: int  # 0: the referee deals it
 
     def __str__(self) -> str:
@@ -148,8 +150,8 @@ class CountdownStarted:
 
 @dataclass(frozen=True, slots=True)
 class CountdownStopped:
-    cause: str
-    by: str = ""  # by an operator: nobody is ready any more, else it would begin again at once
+    cause: Cause
+    by: Name = ""  # by an operator: nobody is ready any more, else it would begin again at once
 
     @property
     def notice(self) -> str:
@@ -164,7 +166,7 @@ class CountdownStopped:
 class Fighter:
     """Somebody who takes part in a battle."""
 
-    name: str
+    name: Name
     robot: int
     avatar: int
     team: int = 0  # 0: fights alone
@@ -175,7 +177,7 @@ class BattleStarted:
     battle: int
     seconds: float  # to its time limit
     fighters: tuple[Fighter, ...]
-    by: str = ""  # before the countdown was over
+    by: Name = ""  # before the countdown was over
     teams: int = 0  # 0: everybody fights alone
 
     def __str__(self) -> str:
@@ -187,10 +189,10 @@ class BattleStarted:
 
 @dataclass(frozen=True, slots=True)
 class Hit:
-    name: str  # who was hit
+    name: Name  # who was hit
     robot: int
     life: int  # that is left
-    by: str = ""  # the player who has shot; empty: the light does not tell
+    by: Name = ""  # the player who has shot; empty: the light does not tell
 
     def __str__(self) -> str:
         shooter = f" by {self.by}" if self.by else ""
@@ -200,10 +202,10 @@ class Hit:
 @dataclass(frozen=True, slots=True)
 class BattleEnded:
     battle: int
-    cause: str
+    cause: Cause
     result: tuple[Placing, ...]  # best first
     counts: bool = True  # False: aborted, so nobody has won it
-    by: str = ""
+    by: Name = ""
 
     def __str__(self) -> str:
         ranking = ", ".join(f"{placing.place} {placing.name}" for placing in self.result)
@@ -222,7 +224,7 @@ class StoodStill:
 class Paused:
     """The clock of countdown or battle stands, no hit counts, nobody drives."""
 
-    by: str
+    by: Name
 
     def __str__(self) -> str:
         return f"paused{_signature(self.by)}"
@@ -230,7 +232,7 @@ class Paused:
 
 @dataclass(frozen=True, slots=True)
 class Resumed:
-    by: str
+    by: Name
 
     def __str__(self) -> str:
         return f"goes on{_signature(self.by)}"
@@ -241,7 +243,7 @@ class TimeAdded:
     """To the countdown or the battle."""
 
     seconds: float
-    by: str
+    by: Name
 
     def __str__(self) -> str:
         return f"{self.seconds:g} s added{_signature(self.by)}"
@@ -252,7 +254,7 @@ class RulesChanged:
     """From now on; time limits of what runs stay."""
 
     changes: Mapping[str, Any]  # new values by names in `Rules`; None: the environment's again
-    by: str
+    by: Name
 
     def __str__(self) -> str:
         changes = ", ".join(
@@ -267,7 +269,7 @@ class ServiceChanged:
 
     robot: int
     in_service: bool
-    by: str
+    by: Name
 
     def __str__(self) -> str:
         return f"robot {self.robot} is {'back in' if self.in_service else 'out of'} service{_signature(self.by)}"
@@ -275,8 +277,8 @@ class ServiceChanged:
 
 @dataclass(frozen=True, slots=True)
 class NameBanned:
-    name: str
-    by: str
+    name: Name
+    by: Name
 
     def __str__(self) -> str:
         return f"the name {self.name} is banned{_signature(self.by)}"
@@ -284,8 +286,8 @@ class NameBanned:
 
 @dataclass(frozen=True, slots=True)
 class NameUnbanned:
-    name: str
-    by: str
+    name: Name
+    by: Name
 
     def __str__(self) -> str:
         return f"the name {self.name} is allowed again{_signature(self.by)}"
@@ -296,7 +298,7 @@ class WordsChanged:
     """The words that no new name may contain."""
 
     words: tuple[str, ...]
-    by: str
+    by: Name
 
     def __str__(self) -> str:
         return f"{len(self.words)} words are not allowed in names{_signature(self.by)}"
@@ -306,8 +308,8 @@ class WordsChanged:
 class MessageShown:
     """To everybody, until the next one."""
 
-    text: str  # "": none any more
-    by: str
+    text: Words  # "": none any more
+    by: Name
 
     def __str__(self) -> str:
         what = f"message to everybody: {self.text}" if self.text else "the message to everybody is taken back"
@@ -318,7 +320,7 @@ class MessageShown:
 class DriveTaken:
     """An operator may drive robots for some seconds."""
 
-    by: str
+    by: Name
 
     def __str__(self) -> str:
         return f"the controls for a test drive were handed out{_signature(self.by)}"
@@ -355,7 +357,8 @@ Event = (
     | DriveTaken
 )
 
-_KINDS = {kind.__name__: kind for kind in Event.__args__}
+# the classes by the names under which events are kept
+KINDS: Mapping[str, type[Event]] = {kind.__name__: kind for kind in Event.__args__}
 
 
 @dataclass(frozen=True, slots=True)
@@ -386,7 +389,7 @@ def from_json(kind: str, fields: Mapping[str, Any]) -> Event:
             given["result"] = tuple(Placing(**placing) for placing in given["result"])
         if "words" in given:
             given["words"] = tuple(given["words"])
-        event: Event = _KINDS[kind](**given)
+        event: Event = KINDS[kind](**given)
     except (KeyError, TypeError) as error:
         raise ValueError(f"no event {kind!r} of {fields!r}: {error}") from None
     return event

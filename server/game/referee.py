@@ -18,6 +18,7 @@ from laser_bot_battle.names import Game
 from server.game import changes, desk, events, seats, views
 from server.game.events import Event, Recorded
 from server.game.overview import overview
+from server.game.people import AGAIN, TIME_LIMIT
 from server.game.persistence import save
 from server.game.robot import Robot
 from server.game.rules import Rules
@@ -187,7 +188,7 @@ class Referee:
             self._decide(events.SignedUp(name, robot.id, session, avatar, address), now)
         old = self._of_session(old_session) if old_session else None
         if old is not None:
-            self._remove(old.name, f"signed up again as {name}", now)
+            self._remove(old.name, f"{AGAIN}{name}", now)
         self._settle_seats(now)
         claimed = self._named(name)
         assert claimed is not None
@@ -307,7 +308,7 @@ class Referee:
         elif state.game is Game.COUNTDOWN:
             yield state.ends_at, self._start_battle
         elif state.game is Game.PLAYING:
-            yield state.ends_at, partial(self._end_battle, cause="the time limit is reached")
+            yield state.ends_at, partial(self._end_battle, cause=TIME_LIMIT)
         for robot in state.robots:
             missed_at = max(robot.alive_at + self._rules.robot_timeout, robot.spared_until)
             yield missed_at, partial(self._lose_robot, robot)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 from laser_bot_battle.names import Game
+from server.game.people import Name
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,7 +40,7 @@ class Waiter:
 class Placing:
     """A player in the result of a battle: place 1 has won, `left` was gone before the end."""
 
-    name: str
+    name: Name
     robot: int
     life: int
     avatar: int
@@ -56,8 +57,8 @@ class Happening:
     """A hit that has cost life."""
 
     number: int  # grows by one, through all battles
-    name: str  # who was hit
-    by: str  # who has shot; empty: the light does not tell
+    name: Name  # who was hit
+    by: Name  # who has shot; empty: the light does not tell
     life: int  # that is left
 
 

@@ -6,6 +6,7 @@ from typing import Any
 
 from laser_bot_battle.names import Game
 from server.game import events
+from server.game.people import Notice, Words
 from server.game.ranking import ranks
 from server.game.robot import Robots
 from server.game.snapshot import Happening, Placing
@@ -25,7 +26,7 @@ class State:
     ends_at: float = 0.0  # of the countdown or the battle; while it is paused, as if it went on at once
     paused_at: float | None = None  # None: it is not
     battle: int = 0
-    notice: str = ""
+    notice: Notice = ""
     queue: list[Waiting] = field(default_factory=list)  # for a robot, the next one first
     leavers: list[User] = field(default_factory=list)  # who was in the running battle and has gone
     result: tuple[Placing, ...] = ()
@@ -34,9 +35,9 @@ class State:
     happenings: int = 0  # in all battles so far
     # what operators have decided
     rules: Mapping[str, Any] = field(default_factory=dict)  # values instead of the environment's
-    banned: list[str] = field(default_factory=list)  # names
+    banned: list[str] = field(default_factory=list)  # names; who is banned is not forgotten
     words: tuple[str, ...] = ()  # that names may not contain
-    message: str = ""
+    message: Words = ""
 
     def time_left(self, now: float) -> float:
         """Seconds to the battle, or to its time limit; 0 when neither runs."""

@@ -5,6 +5,8 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
+from server.game.people import Name
+
 FULL_LIFE = 100
 AVATARS = 5
 FIGHTING, DEAD, QUIT, WATCHING = range(4)  # how a player may stand, best first
@@ -51,7 +53,7 @@ def _folded(name: str) -> str:
 class User:
     """A signed-in player. `session` is the SHA-256 (hex) of the session token; all times are monotonic seconds."""
 
-    name: str
+    name: Name
     robot: int
     session: str
     avatar: int
@@ -112,7 +114,7 @@ class User:
 class Waiting:
     """Somebody who has signed up and waits for a robot. All times are monotonic seconds."""
 
-    name: str
+    name: Name
     session: str
     avatar: int
     seen: float  # last sign of life of the page

@@ -21,7 +21,7 @@ from server.game import events
 from server.game.events import Recorded, kind_of, to_json
 from server.store import schema, versions
 from server.store.fighters import keep_fighters
-from server.store.forget import find_forgotten, renamed
+from server.store.forget import find_forgotten, rename_in_event, rename_in_state
 from server.store.track import Piece
 
 _log = logging.getLogger(__name__)
@@ -219,7 +219,7 @@ class Database:
         forgotten = find_forgotten(connection, saved, self.arena)
         for one in recorded:
             battle = _keep(connection, one, offset, battle, forgotten, arena=self.arena)
-        data = renamed(dict(saved), forgotten)
+        data = rename_in_state(saved, forgotten)
         connection.execute(insert(schema.state).values(arena=self.arena, at=self._wall(), data=data))
         if recorded:
             self._unsure = _Attempt(newest, recorded[-1], battle)
@@ -327,8 +327,10 @@ def _keep(
         case events.BattleStarted(number):
             made = connection.execute(insert(schema.battles).values(arena=arena, number=number, began=at))
             battle = made.inserted_primary_key[0] if made.inserted_primary_key else None
-    fields = renamed(to_json(decided), forgotten) | {name: "" for name in _SECRET if hasattr(decided, name)}
-    row = {"arena": arena, "at": at, "battle": battle, "kind": kind_of(decided), "data": fields}
+    kind = kind_of(decided)
+    fields = rename_in_event(kind, to_json(decided), forgotten)
+    fields |= {name: "" for name in _SECRET if hasattr(decided, name)}
+    row = {"arena": arena, "at": at, "battle": battle, "kind": kind, "data": fields}
     connection.execute(insert(schema.events).values(row))
     if isinstance(decided, events.BattleEnded):
         connection.execute(

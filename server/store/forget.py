@@ -5,19 +5,23 @@ until it has a new result, it is told by the table `forgotten` what to write ins
 """
 
 import hashlib
-import re
 import time
-import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
-from sqlalchemy import Connection, Table, insert, select, update
+from sqlalchemy import Connection, RowMapping, Table, insert, select, update
 
-from server.game.users import is_valid_name
+from server.game.events import KINDS, BattleEnded
+from server.game.people import Rename, rename_each, rename_fields, renamers
+from server.game.state import State
+from server.game.users import User, is_valid_name
 from server.store import schema
 
-_TEXTS = frozenset({"cause", "how", "notice", "text", "message"})  # sentences that may have a name among their words
-_KEPT = frozenset({"caller", "session"})  # never a player's name, though they may look like it
+_IN_EVENTS = {name: renamers(kind) for name, kind in KINDS.items()}
+# of a kind that only another version knows: fields of the same names mean the same
+_IN_ANY_EVENT = {field: renamer for fields in _IN_EVENTS.values() for field, renamer in fields.items()}
+_IN_STATE = renamers(State)
+_IN_USER = renamers(User)
 
 
 class ForgetError(Exception):
@@ -40,14 +44,7 @@ def forget(connection: Connection, name: str) -> str:
             raise ForgetError(f"{name} is signed in: sign out first")
         if name in state.get("banned", ()):
             raise ForgetError(f"{name} is banned, which needs the name: allow it again first")
-    changed = 0
-    for table, columns in (
-        (schema.fighters, ("name",)),
-        (schema.events, ("data",)),
-        (schema.battles, ("cause", "result")),
-        (schema.state, ("data",)),
-    ):
-        changed += _rename(connection, table, columns, {name: neutral})
+    changed = sum(_rename(connection, table, change, {name: neutral}) for table, change in _NAMED.items())
     if not changed:
         raise nobody
     return neutral
@@ -58,11 +55,7 @@ def find_forgotten(connection: Connection, saved: Mapping[str, Any], arena: str)
     deleted."""
     pending = connection.execute(select(schema.forgotten).where(schema.forgotten.c.digest.is_not(None))).all()
     rows = [row for row in pending if arena in (row.arenas or [""])]
-    shooters = {one["by"] for one in saved.get("happened", ())}
-    remembered = (_names(saved, "result", "leavers", "happened") | shooters) - _names(
-        saved, "users", "queue"
-    )  # whoever is here counts as new
-    by_digest = {_digest(name): name for name in remembered} if rows else {}
+    by_digest = {_digest(name): name for name in _remembered(saved)} if rows else {}
     found = {by_digest[row.digest]: _neutral(row.id) for row in rows if row.digest in by_digest}
     for row in rows:
         if row.digest not in by_digest:
@@ -72,47 +65,67 @@ def find_forgotten(connection: Connection, saved: Mapping[str, Any], arena: str)
     return found
 
 
-def renamed(data: Any, names: Mapping[str, str], key: str = "") -> Any:
-    """`data`, of JSON's types, with these names replaced; `key` is the one under which it stands."""
-    if not names or key in _KEPT:
-        return data
-    if isinstance(data, Mapping):
-        return {name: renamed(value, names, name) for name, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [renamed(value, names, key) for value in data]
-    if not isinstance(data, str):
-        return data
-    if key in _TEXTS:
-        for name, neutral in names.items():
-            data = _rename_words(data, name, neutral)
-        return data
-    return names.get(data, data)
+def rename_in_event(kind: str, fields: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    """The event's fields with these names replaced where they name people."""
+    return rename_fields(fields, _by(names), _IN_EVENTS.get(kind, _IN_ANY_EVENT))
 
 
-def _rename(connection: Connection, table: Table, columns: Sequence[str], names: Mapping[str, str]) -> int:
+def rename_in_state(saved: Mapping[str, Any], names: Mapping[str, str]) -> dict[str, Any]:
+    """The saved state likewise. A ban is of a name, whoever has it, and stays."""
+    return _rename_in_state(saved, _by(names))
+
+
+def _rename_in_state(saved: Mapping[str, Any], rename: Rename) -> dict[str, Any]:
+    renamed = rename_fields(saved, rename, _IN_STATE)
+    if "users" in saved:  # a class of its own in the state, in JSON a list like the others
+        renamed["users"] = rename_each(saved["users"], rename, _IN_USER)
+    return renamed
+
+
+def _by(names: Mapping[str, str]) -> Rename:
+    return lambda name: names.get(name, name)
+
+
+def _in_battle(row: RowMapping, names: Mapping[str, str]) -> dict[str, Any]:
+    return rename_in_event(BattleEnded.__name__, {"cause": row["cause"], "result": row["result"]}, names)
+
+
+# what replaces the names in a row of each table that has some
+_NAMED: Mapping[Table, Callable[[RowMapping, Mapping[str, str]], dict[str, Any]]] = {
+    schema.fighters: lambda row, names: {"name": names.get(row["name"], row["name"])},
+    schema.events: lambda row, names: {"data": rename_in_event(row["kind"], row["data"], names)},
+    schema.battles: _in_battle,
+    schema.state: lambda row, names: {"data": rename_in_state(row["data"], names)},
+}
+
+
+def _rename(
+    connection: Connection,
+    table: Table,
+    change: Callable[[RowMapping, Mapping[str, str]], dict[str, Any]],
+    names: Mapping[str, str],
+) -> int:
     """How many rows of the table had the name."""
     changed = []
     for row in connection.execute(select(table).execution_options(yield_per=1000)).mappings():
-        values = {column: renamed(row[column], names, column) for column in columns}
-        if any(values[column] != row[column] for column in columns):
+        values = change(row, names)
+        if any(values[column] != row[column] for column in values):
             changed.append((row["id"], values))
     for number, values in changed:
         connection.execute(update(table).where(table.c.id == number).values(values))
     return len(changed)
 
 
-def _rename_words(text: str, name: str, neutral: str) -> str:
-    """The name is replaced where it is not a part of a longer one."""
+def _remembered(saved: Mapping[str, Any]) -> set[str]:
+    """Whoever the game may name again and who is not here: who is here counts as new."""
+    met: set[str] = set()
 
-    def replaced(found: re.Match[str]) -> str:
-        neighbours = text[: found.start()][-1:], text[found.end() :][:1]
-        return name if any(map(_belongs_to_name, neighbours)) else neutral
+    def note(name: str) -> str:
+        met.add(name)
+        return name
 
-    return re.sub(re.escape(name), replaced, text)
-
-
-def _belongs_to_name(char: str) -> bool:
-    return bool(char) and (char == "_" or unicodedata.category(char)[0] in "LMN")
+    _rename_in_state(saved, note)
+    return met - _names(saved, "users", "queue")
 
 
 def _names(saved: Mapping[str, Any], *lists: str) -> set[str]:

@@ -12,6 +12,7 @@ from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, pr
 from server.game import desk, events
 from server.game.emitter import DELAY, PULSE
 from server.game.events import Recorded
+from server.game.people import NAMELESS
 from server.game.persistence import restore
 from server.game.referee import Referee, Verdict
 from server.game.replay import replay
@@ -213,6 +214,7 @@ class Evening(RuleBasedStateMachine):
         decided = self.referee.take_journal()
         self.journal += decided
         for event in (one.event for one in decided):
+            self.note_cause(event)
             match event:
                 case events.Queued(name) | events.Left(name) | events.Seated(name):
                     self.first.discard(name)
@@ -237,6 +239,12 @@ class Evening(RuleBasedStateMachine):
                     (self.out.discard if in_service else self.out.add)(robot)
                 case events.Offered(_, robot) | events.SignedUp(_, robot):
                     assert robot not in self.out
+
+    def note_cause(self, event: events.Event) -> None:
+        """It begins with a name, or names nobody: so who is forgotten is found in it."""
+        if isinstance(event, events.BattleEnded | events.CountdownStopped) and event.cause not in NAMELESS:
+            assert event.cause.split()[0] in {"ada", "bob", "cy", "dee", "eve", "fay"}
+            assert event.cause.partition(" ")[2]
 
     def note_hit(self, name: str, by: str) -> None:
         """A hit is of somebody else, and of a shot under way that has not met this one yet."""

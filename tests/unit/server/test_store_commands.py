@@ -11,7 +11,6 @@ import pytest
 from sqlalchemy import URL
 
 from server.store.database import Database
-from server.store.forget import renamed
 from tests.support.polling import until
 from tests.support.programs import ROOT
 
@@ -257,23 +256,3 @@ def test_an_unknown_name_changes_nothing(writer, command, file):
         assert b"there is nobody called" in done.stderr
     assert rows(file, "SELECT * FROM forgotten") == []
     assert names(file) == ["ada", "adam"]
-
-
-def test_a_name_is_replaced_as_a_whole_word_where_people_are_named():
-    data = {
-        "name": "the",
-        "caller": "the",
-        "session": "the",
-        "fighters": [{"name": "the", "robot": 1}, {"name": "Thea"}],
-        "cause": "the other_the théo the, the",
-        "life": 3,
-    }
-    assert renamed(data, {"the": "player 1"}) == {
-        "name": "player 1",
-        "caller": "the",
-        "session": "the",
-        "fighters": [{"name": "player 1", "robot": 1}, {"name": "Thea"}],
-        "cause": "player 1 other_the théo player 1, player 1",
-        "life": 3,
-    }
-    assert renamed({"cause": "aa a aaa"}, {"a": "b"}) == {"cause": "aa b aaa"}
