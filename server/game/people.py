@@ -21,8 +21,8 @@ NAMELESS = frozenset({TIME_LIMIT, BY_OPERATOR})
 
 AGAIN = "signed up again as "  # how somebody leaves; the one such text in which a name follows
 
-# somebody who was forgotten has a name of two words
-_CAUSE = re.compile(r"(player \d+|\S+) (.+)")
+NEUTRAL = re.compile(r"player \d+")  # of somebody who was forgotten: no player can choose it
+_CAUSE = re.compile(rf"({NEUTRAL.pattern}|\S+) (.+)")
 _NOTICE = re.compile(r"(Battle over|Countdown stopped): (.+?)(, fewer than two players are ready)?\.")
 
 

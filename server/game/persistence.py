@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from typing import Any
 
 from laser_bot_battle.names import Game
+from server.game.people import NEUTRAL
 from server.game.robot import Robot, Robots
-from server.game.rules import DECLARED
+from server.game.rules import DECLARED, checked
 from server.game.snapshot import Happening, Placing
 from server.game.state import State
 from server.game.users import User, Users, Waiting
@@ -41,6 +42,30 @@ def save(state: State, now: float) -> dict[str, Any]:
         "words": list(state.words),
         "message": state.message,
     }
+
+
+def mend(saved: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[str]]:
+    """`saved` without decisions that nobody can have made, and what was wrong, for people.
+
+    Earlier programs put "player 1" in the place of a rule's value, an unwanted word or a ban, too, when a player was
+    forgotten whose name it was.
+    """
+    rules = saved.get("rules", {})
+    lists = {name: saved.get(name, []) for name in ("words", "banned")}
+    if not (isinstance(rules, dict) and all(isinstance(one, list) for one in lists.values())):
+        return saved, []  # no state at all, as `restore` will say
+    mended, faults = {**saved, "rules": dict(rules)}, []
+    for rule in filter(rules.__contains__, DECLARED):
+        try:
+            checked(rule, rules[rule])
+        except ValueError as error:
+            del mended["rules"][rule]
+            faults.append(f"the rule {rule} was {rules[rule]!r}, but {error}: it is as configured again")
+    for name, what in (("words", "words that names may not contain"), ("banned", "banned names")):
+        mended[name] = [one for one in lists[name] if not NEUTRAL.fullmatch(str(one))]
+        if lost := len(lists[name]) - len(mended[name]):
+            faults.append(f"{lost} of the {what} had become names of forgotten players: taken out, to be added again")
+    return mended, faults
 
 
 def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: float, pause: float) -> State:

@@ -19,6 +19,7 @@ from sqlalchemy.exc import DatabaseError
 
 from server.game import events
 from server.game.events import Recorded, kind_of, to_json
+from server.game.persistence import mend
 from server.store import schema, versions
 from server.store.fighters import keep_fighters
 from server.store.forget import find_forgotten, rename_in_event, rename_in_state
@@ -253,7 +254,7 @@ class Database:
             return Kept(
                 robots={row.caller: row.robot for row in known},
                 battles=last.number if last else 0,
-                state=row.data if row else None,
+                state=_mended(row.data) if row else None,
                 saved_at=row.at if row else 0.0,
             )
 
@@ -286,6 +287,13 @@ class Database:
             part = path.with_name(path.name + suffix)
             if part.exists():
                 part.replace(part.with_name(f"{path.name}.broken{suffix}"))
+
+
+def _mended(saved: Mapping[str, Any]) -> Mapping[str, Any]:
+    mended, faults = mend(saved)
+    for fault in faults:
+        _log.warning("found in the database: %s", fault)
+    return mended
 
 
 def _reason(error: BaseException) -> str:

@@ -5,6 +5,7 @@ import sqlite3
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 from unittest.mock import Mock
@@ -12,6 +13,7 @@ from unittest.mock import Mock
 import pytest
 from sqlalchemy import URL, create_engine, insert, make_url, select, text, update
 
+from server.game import desk
 from server.game.persistence import restore
 from server.game.referee import Referee
 from server.store import schema, versions
@@ -451,6 +453,49 @@ def test_a_database_of_version_2_learns_who_has_shot_and_stays_of_that_version(o
     record(database, match)
     database.close()
     assert [row[-4:] for row in rows(url, "fighters")][-2:] == [(0, 1, None, None), (0, 0, None, None)]
+
+
+def test_what_forgetting_a_player_spoilt_in_earlier_programs_is_told_and_mended(opened, url, match, caplog):
+    database, _ = opened()
+    for wish in (
+        partial(desk.change_rules, changes={"light": "coded", "hit_damage": 20}),
+        partial(desk.set_words, words=["idiot", "damn"]),
+        partial(desk.ban, name="eve"),
+    ):
+        match.referee.operate(partial(wish, by="Ann"), match.now)
+    record(database, match)
+    database.close()
+    assert opened()[1].state["rules"] == {"light": "coded", "hit_damage": 20}
+    assert not caplog.records
+    spoil_state(url, {"rules": {"light": "player 1", "hit_damage": 20}, "words": ["player 2", "damn"]})
+    state = opened()[1].state
+    assert [one.getMessage() for one in caplog.records] == [
+        "found in the database: the rule light was 'player 1', but light must be one of plain, coded: it is as "
+        "configured again",
+        "found in the database: 1 of the words that names may not contain had become names of forgotten players: "
+        "taken out, to be added again",
+    ]
+    assert (state["rules"], state["words"], state["banned"]) == ({"hit_damage": 20}, ["damn"], ["eve"])
+    assert not Referee(match.rules, restore(state, {}, match.now, 0.0)).snapshot(match.now).coded
+
+
+@pytest.mark.parametrize("nonsense", [{"rules": 3}, {"words": "damn"}, {"banned": None}])
+def test_a_state_that_is_none_is_no_fault_of_the_database(opened, url, match, nonsense):
+    database, _ = opened()
+    record(database, match)
+    database.close()
+    spoil_state(url, nonsense)
+    database, kept = opened()
+    assert not database.problem
+    assert len(kept.robots) == 4
+
+
+def spoil_state(url: URL, news: dict[str, Any]) -> None:
+    engine = create_engine(url)
+    with engine.begin() as connection:
+        data = connection.scalars(select(schema.state.c.data)).one()
+        connection.execute(update(schema.state).values(data=data | news))
+    engine.dispose()
 
 
 def test_a_database_without_tracks_gets_them(opened, url, match):
