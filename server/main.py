@@ -134,9 +134,10 @@ def _state(database: Database, roster: Roster, settings: Settings) -> State:
         database.keep_robots(known)
     robots = roster.with_fixed(known)
     if kept.state is not None:
-        pause = max(0.0, time.time() - kept.saved_at)
+        now = time.monotonic()
+        pause = now - kept.saved_at
         try:
-            state = restore(kept.state, robots, time.monotonic(), pause)
+            state = restore(kept.state, robots, now, pause)
         except ValueError as error:
             _log.error("the state in the database is of no use, the game begins anew: %s", error)
         else:

@@ -1,6 +1,7 @@
 """The state of the game as JSON, and back: how it outlives its program.
 
-A monotonic clock means nothing to another program, so times are kept as seconds before or after the moment of saving.
+A monotonic clock may mean nothing to another program, so times are kept as seconds before or after the moment of
+saving. How long ago that was is for others to know (server.store.clocks).
 """
 
 from collections.abc import Mapping

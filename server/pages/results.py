@@ -7,7 +7,6 @@ format: the game does not depend on it.
 import csv
 import io
 import re
-import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, date, datetime, timedelta
@@ -257,8 +256,8 @@ def _length(battle: Battle, courses: Iterable[Course]) -> float:
     """How long the battle lasted, or has lasted."""
     if battle.seconds is not None:
         return battle.seconds
-    if battle.running:
-        return time.time() - battle.began
+    if battle.so_far is not None:
+        return battle.so_far
     return max((course.lives[-1][0] for course in courses), default=0.0)
 
 

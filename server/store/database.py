@@ -10,7 +10,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from server.game import events
 from server.game.events import Recorded, kind_of, to_json
 from server.game.persistence import mend
 from server.store import schema, versions
+from server.store.clocks import Clocks
 from server.store.fighters import keep_fighters
 from server.store.forget import find_forgotten, rename_in_event, rename_in_state
 from server.store.track import Piece
@@ -32,6 +33,7 @@ MAX_PIECES = 60  # of tracks that wait, too: about ten minutes
 WRITTEN_AGAIN = "the database can be written again"
 RETRY = 1.0  # s between attempts
 CLOSE_WITHIN = 1.0  # s
+_CLOCK = "clock"  # when the saved state was saved, see `clock_of`
 _SECRET = ("session", "key", "address")  # of events: nobody needs them any more, and they are personal
 _BUSY = 3.0  # s that a statement may wait for another program, and for a server's answer
 
@@ -52,7 +54,7 @@ class Kept:
     robots: Mapping[str, int] = field(default_factory=dict)  # IDs by ROS names
     battles: int = 0  # number of the last one
     state: Mapping[str, Any] | None = None  # see server.game.persistence
-    saved_at: float = 0.0  # Unix time in s
+    saved_at: float = 0.0  # monotonic s of this program
 
 
 class AwayError(Exception):
@@ -63,25 +65,22 @@ class Database:
     """Of one arena, which may share it with others: see schema.py. A thread of its own writes. `problem` says why it
     cannot, "" while it can."""
 
-    def __init__(
-        self,
-        url: URL,
-        arena: str = "",
-        wall: Callable[[], float] = time.time,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
+    def __init__(self, url: URL, arena: str = "", clocks: Clocks | None = None) -> None:
         self.arena = arena
         self.problem = ""
         self.found: Callable[[Kept], None] = lambda kept: None  # told what is there, when it could not be read before
         self._unread = False
         self._url = url
-        self._wall, self._clock = wall, clock
+        self._clocks = clocks or Clocks()
         self._engine = make_engine(url)
         self._changed = threading.Condition()
+        # what waits has Unix times, by the clock of the battle: as the wall's clock was set when the battle began
         self._waiting: list[Recorded] = []
         self._in_hand = 0  # of what waits, what the thread is about to write
         self._saved: Mapping[str, Any] | None = None
-        self._pieces: list[Piece] = []
+        self._pieces: list[tuple[Piece, float]] = []  # and what makes their times Unix times
+        self._offset = self._clocks.offset()  # of the battle's clock; of the last one's while none runs
+        self._fighting = False
         self._battle: int | None = None  # row of the one that runs, as far as it is written
         self._unsure: _Attempt | None = None
         self._closing = False
@@ -96,8 +95,11 @@ class Database:
         while (kept := self._try_load()) is None and not self._is_file and time.monotonic() < end:
             time.sleep(RETRY)
         self._unread = kept is None
+        kept = kept or Kept()
+        if self._battle is not None and kept.state is not None:
+            self._offset, self._fighting = kept.state[_CLOCK]["battle"] - kept.saved_at, True
         self._thread.start()
-        return kept or Kept()
+        return kept
 
     def keep_robots(self, ids: Mapping[str, int]) -> None:
         """Add IDs by ROS names, which are not there yet. A failure is logged."""
@@ -111,8 +113,9 @@ class Database:
     def record(self, recorded: Sequence[Recorded], saved: Mapping[str, Any]) -> None:
         """Keep these events, and the state after them. Does not block; from one thread."""
         with self._changed:
-            self._waiting += recorded
-            self._saved = saved
+            self._waiting += self._dated(recorded)
+            mark = self._clocks.mark()
+            self._saved = {**saved, _CLOCK: mark | {"battle": mark["monotonic"] + self._offset}}
             if len(self._waiting) > MAX_WAITING:
                 del self._waiting[: len(self._waiting) - MAX_WAITING]
             self._changed.notify()
@@ -120,7 +123,7 @@ class Database:
     def keep_piece(self, piece: Piece) -> None:
         """Keep a piece of the track of the newest battle of that number. Does not block."""
         with self._changed:
-            self._pieces = [*self._pieces, piece][-MAX_PIECES:]
+            self._pieces = [*self._pieces, (piece, self._offset)][-MAX_PIECES:]
             self._changed.notify()
 
     @property
@@ -153,6 +156,17 @@ class Database:
             self._thread.join(CLOSE_WITHIN)
         self._engine.dispose()
 
+    def _dated(self, recorded: Sequence[Recorded]) -> list[Recorded]:
+        """With Unix times. In a battle its clock goes on as it was set at the beginning, whatever is done to it."""
+        dated, offset = [], self._clocks.offset()
+        for one in recorded:
+            if isinstance(one.event, events.BattleStarted):
+                self._offset, self._fighting = offset, True
+            dated.append(Recorded(one.at + (self._offset if self._fighting else offset), one.event))
+            if isinstance(one.event, events.BattleEnded):
+                self._fighting = False
+        return dated
+
     # the thread
 
     def _run(self) -> None:
@@ -173,7 +187,9 @@ class Database:
                 if self._closing and not (written and (self._saved or self._pieces)):
                     return
 
-    def _write(self, recorded: list[Recorded], saved: Mapping[str, Any] | None, pieces: Sequence[Piece]) -> bool:
+    def _write(
+        self, recorded: list[Recorded], saved: Mapping[str, Any] | None, pieces: Sequence[tuple[Piece, float]]
+    ) -> bool:
         """Whether it could be done. What turns out to be there already is taken out of `recorded`."""
         if self._unread:
             kept = self._try_load()
@@ -191,10 +207,10 @@ class Database:
             with self._transaction() as connection:
                 if self.problem:
                     versions.prepare(connection)
-                battle, offset = self._battle, self._wall() - self._clock()
+                battle = self._battle
                 if saved:
-                    battle = self._write_events(connection, recorded, saved, offset)
-                for piece in pieces:
+                    battle = self._write_events(connection, recorded, saved)
+                for piece, offset in pieces:
                     _keep_piece(connection, self.arena, piece, offset)
         except Exception as error:
             self._tell(error)
@@ -206,9 +222,7 @@ class Database:
         self.problem = ""
         return True
 
-    def _write_events(
-        self, connection: Connection, recorded: list[Recorded], saved: Mapping[str, Any], offset: float
-    ) -> int | None:
+    def _write_events(self, connection: Connection, recorded: list[Recorded], saved: Mapping[str, Any]) -> int | None:
         """Returns the row of the battle that runs after them."""
         own = schema.state.c.arena == self.arena
         connection.execute(delete(schema.state).where(own))  # first, since it waits for an earlier attempt to end
@@ -219,9 +233,9 @@ class Database:
         battle = self._battle
         forgotten = find_forgotten(connection, saved, self.arena)
         for one in recorded:
-            battle = _keep(connection, one, offset, battle, forgotten, arena=self.arena)
+            battle = _keep(connection, one, battle, forgotten, arena=self.arena)
         data = rename_in_state(saved, forgotten)
-        connection.execute(insert(schema.state).values(arena=self.arena, at=self._wall(), data=data))
+        connection.execute(insert(schema.state).values(arena=self.arena, at=self._clocks.wall(), data=data))
         if recorded:
             self._unsure = _Attempt(newest, recorded[-1], battle)
         return battle
@@ -251,12 +265,12 @@ class Database:
             last = last_battle(connection, self.arena)
             if row and last and last.ended is None and last.number == row.data.get("battle"):
                 self._battle = last.id
-            return Kept(
-                robots={row.caller: row.robot for row in known},
-                battles=last.number if last else 0,
-                state=_mended(row.data) if row else None,
-                saved_at=row.at if row else 0.0,
-            )
+            kept = Kept({row.caller: row.robot for row in known}, last.number if last else 0)
+            if row is None:
+                return kept
+            mark = clock_of(row)
+            saved_at = self._clocks.monotonic() - self._clocks.age(mark)
+            return replace(kept, state=_mended(row.data) | {_CLOCK: mark}, saved_at=saved_at)
 
     @property
     def _is_file(self) -> bool:
@@ -289,11 +303,17 @@ class Database:
                 part.replace(part.with_name(f"{path.name}.broken{suffix}"))
 
 
-def _mended(saved: Mapping[str, Any]) -> Mapping[str, Any]:
+def clock_of(state: Row[Any]) -> dict[str, Any]:
+    """When the state was saved, see Clocks.mark, and `battle`: the Unix time in s by the clock of its battle."""
+    told: Mapping[str, Any] = state.data.get(_CLOCK, {})  # older programs tell nothing
+    return {"unix": state.at, "battle": state.at, **told}
+
+
+def _mended(saved: Mapping[str, Any]) -> dict[str, Any]:
     mended, faults = mend(saved)
     for fault in faults:
         _log.warning("found in the database: %s", fault)
-    return mended
+    return dict(mended)
 
 
 def _reason(error: BaseException) -> str:
@@ -321,14 +341,13 @@ def last_battle(connection: Connection, arena: str) -> Row[Any] | None:
 def _keep(
     connection: Connection,
     recorded: Recorded,
-    offset: float,
     battle: int | None,
     forgotten: Mapping[str, str],
     *,
     arena: str,
 ) -> int | None:
-    """Write one event; returns the row of the battle that runs after it."""
-    decided, at = recorded.event, recorded.at + offset
+    """Write one event, which has a Unix time; returns the row of the battle that runs after it."""
+    decided, at = recorded.event, recorded.at
     match decided:
         case events.RobotLinked(robot, True, caller) if caller:  # a name alone is not a robot
             _keep_robot(connection, arena, caller, robot)

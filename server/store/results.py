@@ -12,8 +12,9 @@ from sqlalchemy.exc import SQLAlchemyError
 
 from laser_bot_battle.names import Game
 from server.store import schema
+from server.store.clocks import Clocks
 from server.store.course import Course
-from server.store.database import AwayError, last_battle, make_engine
+from server.store.database import AwayError, clock_of, last_battle, make_engine
 from server.store.fighters import read_courses
 from server.store.track import join
 
@@ -59,9 +60,13 @@ class Battle:
     ended: float | None
     cause: str | None  # of the end
     counts: bool  # False: aborted
-    running: bool  # now; one that neither runs nor has ended was cut off
+    so_far: float | None  # s that it has lasted, if it runs; one that neither runs nor has ended was cut off
     arena: str  # "" where only one uses the database
     fighters: tuple[Fighter, ...]  # best first
+
+    @property
+    def running(self) -> bool:
+        return self.so_far is not None
 
     @property
     def seconds(self) -> float | None:
@@ -93,9 +98,10 @@ def accuracy(given: int | None, shots: int | None) -> float | None:
 class Results:
     """Thread-safe. Each method raises AwayError or BusyError when it cannot answer now."""
 
-    def __init__(self, url: URL) -> None:
+    def __init__(self, url: URL, clocks: Clocks | None = None) -> None:
         self._engine = _reader(url)
         self._files = _files(url)
+        self._clocks = clocks or Clocks()
         self._turns = threading.BoundedSemaphore(_READERS)
 
     def mark(self) -> object:
@@ -109,7 +115,7 @@ class Results:
             rows = connection.execute(
                 select(schema.battles).order_by(schema.battles.c.id.desc()).limit(size).offset((page - 1) * size)
             ).all()
-            return _with_fighters(connection, rows), total
+            return _with_fighters(connection, rows, self._clocks), total
 
     def battle(self, battle: int) -> tuple[Battle, list[Course]] | None:
         """The battle with that ID and how it went, None if there is none."""
@@ -117,7 +123,7 @@ class Results:
             rows = connection.execute(select(schema.battles).where(schema.battles.c.id == battle)).all()
             if not rows:
                 return None
-            return _with_fighters(connection, rows)[0], read_courses(connection, battle)
+            return _with_fighters(connection, rows, self._clocks)[0], read_courses(connection, battle)
 
     def has_track(self, battle: int) -> bool:
         """Whether it is known where the robots were in that battle."""
@@ -186,7 +192,7 @@ class Results:
             self._turns.release()
 
 
-def _with_fighters(connection: Connection, rows: Sequence[Row[Any]]) -> list[Battle]:
+def _with_fighters(connection: Connection, rows: Sequence[Row[Any]], clocks: Clocks) -> list[Battle]:
     fighters: dict[int, list[Fighter]] = {row.id: [] for row in rows}
     ordered = (
         select(schema.fighters)
@@ -210,7 +216,7 @@ def _with_fighters(connection: Connection, rows: Sequence[Row[Any]]) -> list[Bat
                 kills=row.kills,
             )
         )
-    running = _running(connection)
+    running = _running(connection, clocks)
     return [
         Battle(
             id=row.id,
@@ -219,7 +225,7 @@ def _with_fighters(connection: Connection, rows: Sequence[Row[Any]]) -> list[Bat
             ended=row.ended,
             cause=row.cause,
             counts=row.counts,
-            running=row.id in running,
+            so_far=running.get(row.id),
             arena=row.arena,
             fighters=tuple(fighters[row.id]),
         )
@@ -227,14 +233,15 @@ def _with_fighters(connection: Connection, rows: Sequence[Row[Any]]) -> list[Bat
     ]
 
 
-def _running(connection: Connection) -> set[int]:
-    """The rows of the battles that run, of each arena one at most."""
-    found = set()
-    for row in connection.execute(select(schema.state.c.arena, schema.state.c.data)).all():
+def _running(connection: Connection, clocks: Clocks) -> dict[int, float]:
+    """The rows of the battles that run, of each arena one at most, and how long they have lasted, in s."""
+    found = {}
+    for row in connection.execute(select(schema.state)).all():
         last = last_battle(connection, row.arena)
         now = (row.data.get("game"), row.data.get("battle"))
         if last and last.ended is None and now == (Game.PLAYING, last.number):
-            found.add(last.id)
+            clock = clock_of(row)
+            found[last.id] = max(0.0, clock["battle"] + clocks.age(clock) - last.began)
     return found
 
 

@@ -103,7 +103,7 @@ state = Table(
     metadata,
     Column("id", Integer, primary_key=True),
     Column("at", Float, nullable=False),
-    Column("data", JSON, nullable=False),  # see server.game.persistence
+    Column("data", JSON, nullable=False),  # see server.game.persistence; and `clock`, see server.store.clocks
     _arena(),
     Index("state_of_arena", "arena", unique=True),
 )

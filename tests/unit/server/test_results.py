@@ -17,6 +17,7 @@ from server.game.referee import Referee
 from server.game.robot import HIT_INTERVAL
 from server.game.rules import Rules
 from server.pages.results import create_results
+from server.store.clocks import Clocks
 from server.store.course import courses
 from server.store.database import Database
 from server.store.results import Results
@@ -50,7 +51,8 @@ def keep_of(file):
 
     def write(match) -> None:
         database = Database(
-            URL.create("sqlite", database=str(file)), wall=lambda: match.now + EPOCH, clock=lambda: match.now
+            URL.create("sqlite", database=str(file)),
+            clocks=Clocks(wall=lambda: match.now + EPOCH, monotonic=lambda: match.now),
         )
         database.open()
         database.record(match.referee.take_journal(), match.referee.saved(match.now))

@@ -5,6 +5,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import URL, create_engine, text
 
+from server.store.clocks import Clocks
 from server.store.database import Database
 from tests.soak import records
 from tests.soak.vitals import MORE_FILES, Counts, leaks
@@ -14,7 +15,7 @@ from tests.soak.vitals import MORE_FILES, Counts, leaks
 def url(match, tmp_path: Path) -> URL:
     """Of a database with a battle that is decided."""
     url = URL.create("sqlite", database=str(tmp_path / "game.db"))
-    database = Database(url, wall=lambda: match.now + 1e6, clock=lambda: match.now)
+    database = Database(url, clocks=Clocks(wall=lambda: match.now + 1e6, monotonic=lambda: match.now))
     database.open()
     match.start("ada", "bob")
     match.hit("bob", 10)

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import URL
 
+from server.store.clocks import Clocks
 from server.store.database import Database
 from tests.support.polling import until
 from tests.support.programs import ROOT
@@ -27,7 +28,7 @@ class Writer:
         self._match = match
         self._file = file
         url = URL.create("sqlite", database=str(file))
-        self._database = Database(url, wall=lambda: match.now + 1e9, clock=lambda: match.now)
+        self._database = Database(url, clocks=Clocks(wall=lambda: match.now + 1e9, monotonic=lambda: match.now))
         self._database.open()
 
     def write(self) -> None:
