@@ -36,6 +36,13 @@ class _Parser(HTTPRequestParser):  # type: ignore[misc]
         except ValueError as error:
             raise ParsingError("the header cannot be understood") from error
 
+    def received(self, data: bytes) -> int:
+        consumed: int = super().received(data)
+        if self.completed:
+            # to ask for more, waitress would mark it as incomplete again, and then wait for a body that never comes
+            self.expect_continue = False
+        return consumed
+
 
 class _Channel(HTTPChannel):  # type: ignore[misc]
     """A connection. `waits_since`: since when the server has waited for a request; monotonic s, as all times here."""

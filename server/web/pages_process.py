@@ -21,7 +21,8 @@ _END_WITHIN = 1.0  # s
 _AGAIN_AFTER, _AT_MOST = 0.2, 5.0  # s until it is started again: twice as long each time that it ends at once
 _LIVED = 10.0  # s after which it has not ended at once
 _WAITING = 128  # connections
-_HOP_BY_HOP = {"connection", "keep-alive", "transfer-encoding", "date", "server", "via"}  # each server's own
+# each server's own; what a client expects before its body, it has had from ours
+_HOP_BY_HOP = {"connection", "keep-alive", "transfer-encoding", "date", "server", "via", "expect"}
 _AWAY = b"The pages are being started: try again in a moment.\n"
 
 

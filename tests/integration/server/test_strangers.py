@@ -110,6 +110,36 @@ def test_no_request_writes_a_traceback(server: GameServer, connect) -> None:
         assert len(log_of(server)) - before < 300, request
 
 
+EXPECTING = b"%s / HTTP/1.1\r\nHost: a\r\nExpect: 100-continue\r\nConnection: close\r\n"
+
+
+@pytest.mark.parametrize(
+    ("request_", "status"),
+    [
+        (EXPECTING % b"GET" + b"\r\n", 200),
+        (EXPECTING % b"GET" + b"Content-Length: 0\r\n\r\n", 200),
+        (EXPECTING % b"POST" + b"Content-Length: none\r\n\r\n", 400),
+        (EXPECTING % b"POST" + b"Content-Length: 9999999\r\n\r\n", 413),
+    ],
+    ids=["no body", "an empty body", "a length that is none", "a body that is too long"],
+)
+def test_a_request_that_needs_no_more_is_answered_at_once(connect, request_: bytes, status: int) -> None:
+    assert answer(connect(), request_).startswith(b"HTTP/1.1 %d " % status)
+
+
+def test_a_body_is_asked_for_by_who_waits_to_send_it(server: GameServer, connect) -> None:
+    server.robot("r")
+    connection, body = connect(), b"data=ada"
+    connection.sendall(
+        b"POST /signUpUser HTTP/1.1\r\nHost: a\r\nExpect: 100-continue\r\nConnection: close\r\n"
+        b"Content-Type: application/x-www-form-urlencoded\r\nContent-Length: %d\r\n\r\n" % len(body)
+    )
+    assert connection.recv(65536) == b"HTTP/1.1 100 Continue\r\n\r\n"
+    got = answer(connection, body)
+    assert got.startswith(b"HTTP/1.1 200 ")
+    assert b'"status": "OK"' in got
+
+
 def test_a_flood_of_refusals_is_some_lines_in_the_log(server: GameServer) -> None:
     before = len(log_of(server))
     with requests.Session() as http:
