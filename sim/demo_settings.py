@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from laser_bot_battle.operator_token import read_operator_token
 from laser_bot_battle.settings import SettingsError, Variable
 from laser_bot_battle.variables import (
     ARENA,
@@ -47,6 +48,7 @@ class Settings:
         """SettingsError for a value that the demo or one of its parts would refuse, or a port that is in use."""
         for variable in LASERBOT:
             variable.read(env)
+        read_operator_token(env)
         bind = BIND.read(env, default=HOST)
         if bind not in (HOST, "0.0.0.0"):
             raise SettingsError(f"{BIND.name}={bind}: choose {HOST} (this machine only) or 0.0.0.0 (the network too)")
@@ -60,7 +62,7 @@ class Settings:
         for variable, what in PORTS.items():
             _check_free(bind, ports[variable.name], variable.name, what)
         has_token = OPERATOR_TOKEN.read(env) or OPERATOR_TOKEN_FILE.read(env)
-        return cls(bind, ports, "" if has_token else secrets.token_urlsafe(9), LIGHT.read(env, default="coded"))
+        return cls(bind, ports, "" if has_token else secrets.token_urlsafe(12), LIGHT.read(env, default="coded"))
 
 
 def _check_free(bind: str, port: int, variable: str, what: str) -> None:

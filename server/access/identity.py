@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from laser_bot_battle.msg import GameStatus, UserStatus
 from laser_bot_battle.names import is_operator_ticket, is_session_ticket, session_digest
-from server.access.attempts import Attempts
+from server.access.attempts import wrong_tokens
 
 # A client that has just signed up may be quicker here than the news of it on /game_status.
 SIGN_UP_GRACE = 2.0  # s
@@ -33,7 +33,7 @@ def session_identity(token: str) -> Identity:
 
 
 class AttemptsError(Exception):
-    """No operator token from this address is looked at now; the text tells the client so."""
+    """A wrong operator token after too many others from the same address; the text tells the client so."""
 
 
 class People:
@@ -42,7 +42,7 @@ class People:
     def __init__(self, operator_token: str, clock: Callable[[], float] = time.time) -> None:
         """An empty `operator_token`: nobody is an operator. `clock` tells Unix time in s, by which tickets end."""
         self._operator_token, self._clock = operator_token, clock
-        self._attempts = Attempts()
+        self._wrong_tokens = wrong_tokens()
         self._players: dict[str, UserStatus] = {}  # by session
 
     def hear(self, status: GameStatus) -> None:
@@ -54,16 +54,15 @@ class People:
         return self._players.get(who.session)
 
     def is_operator_token(self, token: str, address: str, now: float) -> bool:
-        """Whether it is the token, or a ticket of it. AttemptsError, whatever it is, after too many wrong ones from
+        """Whether it is the token, or a ticket of it. AttemptsError if it is neither, after too many wrong ones from
         that address."""
         if not self._operator_token:
             return False
-        if not self._attempts.allowed(address, now):
-            raise AttemptsError("too many wrong operator tokens came from your address: try again in a few seconds")
         is_token = hmac.compare_digest(token.encode(errors="replace"), self._operator_token.encode())
         if is_token or is_operator_ticket(token, self._operator_token, self._clock()):
             return True
-        self._attempts.wrong(address, now)
+        if self._wrong_tokens.take(address, now):
+            raise AttemptsError("too many wrong operator tokens came from your address: try again in a few seconds")
         return False
 
     def proven(self, name: str, secret: str) -> Identity | None:
@@ -91,25 +90,23 @@ class Claim:
         """`secret` has MAX_SECRET characters or fewer; `request` is the id of the client's request."""
         self._name, self._secret, self.request = name, secret, request
         self._until = now + SIGN_UP_GRACE
+        self._refusal = "no player has this name and this token"
         # the secret has not been compared with the operators' token yet
         self._may_be_operator = name == "operator"
 
     def judge(self, people: People, address: str, now: float) -> Verdict:
         """To be asked again, as long as it waits, when the battle has changed or some time has passed."""
-        refusal, warning = "no player has this name and this token", ""
+        warning = ""
         # a player may be called operator, too
         identity = people.proven(self._name, self._secret)
         if identity is None and self._may_be_operator:
+            self._may_be_operator = False
             try:
-                is_operator = people.is_operator_token(self._secret, address, now)
-            except AttemptsError as error:  # its turn may come while the claim waits
-                refusal = str(error)
-            else:
-                self._may_be_operator = False
-                if is_operator:
+                if people.is_operator_token(self._secret, address, now):
                     identity = OPERATOR
                 else:
                     warning = f"wrong operator token from {address}"
-        if identity is not None or now < self._until:
-            refusal = ""
-        return Verdict(identity, refusal, warning)
+            except AttemptsError as error:
+                self._refusal = str(error)
+        is_refused = identity is None and now >= self._until
+        return Verdict(identity, self._refusal if is_refused else "", warning)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Self
 
 from laser_bot_battle import variables
-from server.access.operator_token import read_operator_token
+from laser_bot_battle.operator_token import read_operator_token
 from server.access.proxies import Network, believed
 from server.program.program import ProgramSettings
 

@@ -15,7 +15,7 @@ from server.web.operator_access import (
     TooManyError,
     WrongTokenError,
 )
-from server.web.operator_api import NO_TOKEN, json_body, refusal
+from server.web.operator_api import NO_TOKEN, json_body, log_refusal, refusal
 from server.web.visitors import is_secure, visitor_address
 
 _log = logging.getLogger(__name__)
@@ -79,7 +79,7 @@ def _refuse(code: int, error: str, retry_after: int | None = None) -> Response:
     elif code == HTTPStatus.NOT_FOUND:
         response = make_response(render_template("operator_off.html"), code)
     else:
-        _log.warning("%s from %s refused: %s", request.path, request.remote_addr, error)
+        log_refusal(code, error)
         response = make_response(render_template("operator_login.html", code=code, longest=MAX_NAME), code)
     if retry_after is not None:
         response.headers["Retry-After"] = str(retry_after)

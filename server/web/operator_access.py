@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable
 
 from laser_bot_battle.names import session_digest
-from server.access.attempts import PERIOD, Attempts
+from server.access.attempts import PERIOD, wrong_tokens
 
 COOKIE = "laserbot_operator"
 SESSION_LIFE = 12 * 3600  # s
@@ -21,7 +21,7 @@ class WrongTokenError(Exception):
 
 
 class TooManyError(Exception):
-    """Wrong tokens came from that address: this one is not looked at."""
+    """It is not the token, and neither were too many others from that address."""
 
     retry_after = int(PERIOD)  # s
 
@@ -35,18 +35,14 @@ class Access:
         self._token = token.encode("utf-8", "replace")
         self._clock = clock
         self._lock = threading.Lock()
-        self._attempts = Attempts()
+        self._wrong_tokens = wrong_tokens()
         self._sessions: dict[str, tuple[str, float]] = {}  # operator's name and end, by digest; the oldest first
 
     def check(self, token: str, address: str) -> None:
         """WrongTokenError or TooManyError unless it is the token. `address` is the sender's."""
-        with self._lock:
-            now = self._clock()
-            if not self._attempts.allowed(address, now):
-                raise TooManyError
-            if not (self.is_possible and hmac.compare_digest(token.encode("utf-8", "replace"), self._token)):
-                self._attempts.wrong(address, now)
-                raise WrongTokenError
+        if self.is_possible and hmac.compare_digest(token.encode("utf-8", "replace"), self._token):
+            return
+        raise TooManyError if self._wrong_tokens.take(address, self._clock()) else WrongTokenError
 
     def sign_in(self, token: str, name: str, address: str) -> str:
         """A new session's secret, for the operator of that name; errors as for `check`."""

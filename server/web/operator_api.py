@@ -9,6 +9,7 @@ import re
 import time
 from collections.abc import Callable, Mapping
 from functools import partial
+from http import HTTPStatus
 from importlib import metadata
 from typing import Any, NoReturn
 
@@ -59,10 +60,16 @@ def create_operator_api(
 
 def refusal(code: int, error: str) -> Response:
     """The answer to what was wrong, and a line of log."""
-    _log.warning("%s from %s refused: %s", request.path, request.remote_addr, error)
+    log_refusal(code, error)
     response = jsonify(error=error)
     response.status_code = code
     return response
+
+
+def log_refusal(code: int, error: str) -> None:
+    """A line of log, but none for guesses that come too often: whoever guesses says how many these are."""
+    if code != HTTPStatus.TOO_MANY_REQUESTS:
+        _log.warning("%s from %s refused: %s", request.path, request.remote_addr, error)
 
 
 def json_body(**fields: tuple[type, ...]) -> dict[str, Any]:

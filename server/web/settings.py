@@ -8,8 +8,8 @@ from typing import Any, Self
 from sqlalchemy import URL
 
 from laser_bot_battle import variables
+from laser_bot_battle.operator_token import read_operator_token
 from laser_bot_battle.settings import Variable
-from server.access.operator_token import read_operator_token
 from server.access.proxies import Network, believed
 from server.game.rules import DECLARED, Rules
 from server.program.program import ProgramSettings

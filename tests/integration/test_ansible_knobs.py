@@ -21,6 +21,8 @@ GOOD = 'fleet_control_networks: ["192.0.2.1/32"]\nfleet_registry_password: long 
     [
         ("facts", "fleet_registry_password: too short", "of at least 12 characters"),
         ("facts", "fleet_control_networks: []", "fleet_control_networks"),
+        ("facts", "fleet_operator_token: fifteen letters", "at least 16 characters"),
+        ("operator_token", "fleet_operator_token: 123456789012345", "at least 16 characters"),
         ("images", "fleet_images_archive: build/images.tar", "must be an absolute path"),
     ],
 )
@@ -31,8 +33,9 @@ def test_a_wrong_knob_is_refused(tasks: str, knob: str, words: str, tmp_path: Pa
     assert all(row["changed"] == 0 for row in recap(run.stdout).values())
 
 
-def test_good_ones_are_not(tmp_path: Path) -> None:
-    assert play_role("fleet", "facts", GOOD, tmp_path).returncode == 0
+@pytest.mark.parametrize("more", ["", "fleet_operator_token: sixteen letters!"])
+def test_good_ones_are_not(more: str, tmp_path: Path) -> None:
+    assert play_role("fleet", "facts", GOOD + more, tmp_path).returncode == 0
 
 
 def rules(**knobs: object) -> Rules:

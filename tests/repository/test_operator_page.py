@@ -2,6 +2,8 @@
 
 from flask import Flask
 
+from laser_bot_battle.operator_token import SHORTEST
+from server.access import attempts
 from server.game import desk
 from server.game.loop import GameLoop
 from server.game.referee import Referee
@@ -19,7 +21,7 @@ PAGE = page("operator.md")
 
 
 def test_the_page_has_every_route_and_no_other() -> None:
-    settings = Settings.from_env({"LASERBOT_OPERATOR_TOKEN": "token"})
+    settings = Settings.from_env({"LASERBOT_OPERATOR_TOKEN": "the operators' token"})
     access, database = Access(settings.operator_token), Database(settings.database)
     app = Flask(__name__, static_folder=None)
     app.register_blueprint(create_operator(access))
@@ -41,5 +43,11 @@ def test_the_page_has_every_route_and_no_other() -> None:
 
 
 def test_the_bounds_are_those_of_the_code() -> None:
-    for bound in (f"1 to {desk.MAX_ADDED}", f"up to {desk.MAX_WORDS}", f"up to {desk.MAX_MESSAGE} characters"):
+    for bound in (
+        f"1 to {desk.MAX_ADDED}",
+        f"up to {desk.MAX_WORDS}",
+        f"up to {desk.MAX_MESSAGE} characters",
+        f"at least {SHORTEST} characters",
+        f"{attempts.FREE} at once",
+    ):
         assert bound in PAGE

@@ -44,7 +44,7 @@ class Viewer(BareClient):
     def watch(self, robot: int | None) -> None:
         self.say("watch", robot=robot)
 
-    def operate(self, token: str = "operator token") -> "Viewer":
+    def operate(self, token: str = "the operators' token") -> "Viewer":
         self.say("auth", mac=token)
         return self
 

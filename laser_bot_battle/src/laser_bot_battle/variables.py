@@ -236,7 +236,8 @@ ROSTER: Variable[dict[str, int]] = Variable(
 OPERATOR_TOKEN = words(
     "LASERBOT_OPERATOR_TOKEN",
     "",
-    "secret of [the operators](operator.md): it opens their desk and lets a rosbridge client do everything",
+    "secret of [the operators](operator.md), at least 16 characters: it opens their desk and lets a rosbridge client "
+    "do everything",
 )
 OPERATOR_TOKEN_FILE = words(
     "LASERBOT_OPERATOR_TOKEN_FILE", "", "file that holds this secret, instead of the secret itself; not with compose"

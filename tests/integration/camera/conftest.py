@@ -26,7 +26,7 @@ class Relay:
 
     def __init__(self, master: RosMaster, **variables: str) -> None:
         self.port = free_port()
-        settings = {"LASERBOT_RELAY_PORT": str(self.port), "LASERBOT_OPERATOR_TOKEN": "operator token"}
+        settings = {"LASERBOT_RELAY_PORT": str(self.port), "LASERBOT_OPERATOR_TOKEN": "the operators' token"}
         self.program = Program.python("server.camera", env={**master.env, **settings, **variables})
 
     def __enter__(self) -> Self:

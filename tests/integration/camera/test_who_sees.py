@@ -104,7 +104,7 @@ def test_operators_see_all_always(hall: Hall) -> None:
     hall.says(PLAYING, hide=True)
     guest = hall.looks("", hall.two)
     assert guest.state("refused")
-    guest.say("auth", mac=operator_ticket("operator token", time.time()))
+    guest.say("auth", mac=operator_ticket("the operators' token", time.time()))
     guest.picture(lambda shot: shot.robot == hall.two)
     guest.watch(hall.one)
     guest.picture(lambda shot: shot.robot == hall.one)

@@ -17,7 +17,7 @@ class Rosbridge:
 
     def __init__(self, master: RosMaster, **variables: str) -> None:
         self.port = free_port()
-        settings = {"LASERBOT_ROSBRIDGE_PORT": str(self.port), "LASERBOT_OPERATOR_TOKEN": "operator token"}
+        settings = {"LASERBOT_ROSBRIDGE_PORT": str(self.port), "LASERBOT_OPERATOR_TOKEN": "the operators' token"}
         self.program = Program.python("server.rosbridge", env={**master.env, **settings, **variables})
 
 

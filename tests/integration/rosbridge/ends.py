@@ -130,7 +130,7 @@ class Client:
             return True
         return False
 
-    def operate(self, token: str = "operator token") -> Self:
+    def operate(self, token: str = "the operators' token") -> Self:
         self.say("auth", client="operator", mac=token)
         return self
 

@@ -17,7 +17,7 @@ const call = (name, request) =>
 tell("guest watches", (await next(topic("/game_status", "laser_bot_battle/GameStatus"))).game);
 tell("guest calls", await call("/add_new_robot", {}));
 
-ros.authenticate("operator token", "operator", "", "", 0, "", 0);
+ros.authenticate("the operators' token", "operator", "", "", 0, "", 0);
 tell("operator calls", await call("/add_new_robot", {}));
 tell("failure", await call("/fails", {}));
 

@@ -12,7 +12,7 @@ def main() -> None:
     ros = roslibpy.Ros("127.0.0.1", int(sys.argv[1]))
     ros.run()
     tell("guest watches", hear(ros, "/game_status", "laser_bot_battle/GameStatus")["game"])
-    ros.send_on_ready(roslibpy.Message({"op": "auth", "client": "operator", "mac": "operator token"}))
+    ros.send_on_ready(roslibpy.Message({"op": "auth", "client": "operator", "mac": "the operators' token"}))
     service = roslibpy.Service(ros, "/add_new_robot", "laser_bot_battle/AddNewRobot")
     tell("operator calls", dict(service.call(roslibpy.ServiceRequest(), timeout=5)))
     chat = roslibpy.Topic(ros, "/roslibpy_chat", "std_msgs/UInt8MultiArray", latch=True)

@@ -20,7 +20,7 @@ TEXT = "std_msgs/String"
 def late(rosbridge: Rosbridge) -> Iterator[BareClient]:
     """An operator who reads only when told to."""
     with BareClient(rosbridge.port, receive_buffer=2**16) as bare:
-        bare.say("auth", client="operator", mac="operator token")
+        bare.say("auth", client="operator", mac="the operators' token")
         yield bare
 
 

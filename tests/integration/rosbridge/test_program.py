@@ -102,22 +102,22 @@ def test_calls_of_a_service_that_cannot_be_reached_are_answered_and_none_counts_
     assert rosbridge.program.stop(seconds=2) == 0
 
 
-def test_who_guesses_the_operators_token_is_slowed_down_and_named(ros_master: RosMaster) -> None:
+def test_who_guesses_the_operators_token_is_named_and_locks_nobody_out(ros_master: RosMaster) -> None:
     rosbridge = Rosbridge(ros_master)
     rosbridge.program.wait_for("listening")
-    with Client(rosbridge.port) as guesser:
-        for number in range(5):
-            guesser.operate(f"guess {number}")
-        guesser.operate()
+    with Client(rosbridge.port) as guesser, Client(rosbridge.port) as operator:
 
-        def may_call() -> bool:
-            guesser.say("call_service", service="/rosapi/get_time")
-            while (answer := guesser.hear())["op"] != "service_response":
+        def may_call(client: Client) -> bool:
+            client.say("call_service", service="/rosapi/get_time")
+            while (answer := client.hear())["op"] != "service_response":
                 pass
             return bool(answer["result"])
 
-        assert not may_call()
-        until(may_call, 5, "the right token's turn")
+        for number in range(9):
+            guesser.operate(f"guess {number}")
+        operator.operate()
+        until(lambda: may_call(operator), 5, "the operator's rights")
+        assert not may_call(guesser)
     assert rosbridge.program.stop(seconds=2) == 0
     assert "wrong operator token from 127.0.0.1" in rosbridge.program.output
 

@@ -118,7 +118,7 @@ def test_a_client_that_does_not_read_delays_nobody_and_is_given_up(
     reader.say("subscribe", topic="/fat", type="std_msgs/String", queue_length=1000)
     memory = resident(rosbridge)
     with MuteClient(rosbridge.port) as mute:
-        mute.say("auth", client="operator", mac="operator token")
+        mute.say("auth", client="operator", mac="the operators' token")
         mute.say("subscribe", topic="/fat", type="std_msgs/String", queue_length=1000)
 
         def connected() -> bool:

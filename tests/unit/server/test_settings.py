@@ -31,7 +31,7 @@ def test_every_variable_is_read() -> None:
             "LASERBOT_BATTLE_LIMIT": "60",
             "LASERBOT_PLAYER_TIMEOUT": "30",
             "LASERBOT_SEATS": "4",
-            "LASERBOT_OPERATOR_TOKEN": "secret",
+            "LASERBOT_OPERATOR_TOKEN": "the operators' token",
             "LASERBOT_DATA": "/data",
             "LASERBOT_ROSTER": "pi=3",
             "LASERBOT_LOG_LEVEL": "DEBUG",
@@ -48,12 +48,13 @@ def test_every_variable_is_read() -> None:
     assert (settings.rosbridge_port, settings.view_port) == (91, 92)
     assert (settings.data, settings.roster) == (Path("/data"), {"/id_service_client_pi": 3})
     assert (rules.hit_damage, rules.countdown, rules.battle_limit, rules.player_timeout) == (25, 0.5, 60, 30)
-    assert (rules.seats, settings.operator_token) == (4, "secret")
+    assert (rules.seats, settings.operator_token) == (4, "the operators' token")
 
 
 def test_the_operators_token_comes_from_a_file_too(tmp_path: Path) -> None:
-    (tmp_path / "token").write_text("of a file\n")
-    assert Settings.from_env({"LASERBOT_OPERATOR_TOKEN_FILE": str(tmp_path / "token")}).operator_token == "of a file"
+    (tmp_path / "token").write_text("the token of a file\n")
+    settings = Settings.from_env({"LASERBOT_OPERATOR_TOKEN_FILE": str(tmp_path / "token")})
+    assert settings.operator_token == "the token of a file"
     assert Settings.from_env({}).operator_token == ""
 
 

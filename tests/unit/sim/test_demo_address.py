@@ -6,6 +6,8 @@ import sys
 import pytest
 
 from laser_bot_battle import addresses
+from laser_bot_battle.operator_token import SHORTEST
+from laser_bot_battle.settings import SettingsError
 from sim import demo_settings
 from sim.demo import desk, from_the_network
 from sim.demo_settings import Settings
@@ -32,12 +34,14 @@ def test_the_operators_desk_comes_with_a_token_of_its_own_or_with_yours(monkeypa
     monkeypatch.setattr(demo_settings, "_check_free", lambda *_: None)
     tokens = {Settings.from_env({}).new_token for _ in range(3)}
     assert len(tokens) == 3
-    assert min(map(len, tokens)) >= 12
+    assert min(map(len, tokens)) >= SHORTEST
     assert (
         desk(Settings("127.0.0.1", PORTS, "abc")) == "http://localhost:5000/operator   the operator's desk, token abc"
     )
-    yours = Settings.from_env({"LASERBOT_OPERATOR_TOKEN": "mine"})
+    yours = Settings.from_env({"LASERBOT_OPERATOR_TOKEN": "one of your own choice"})
     assert desk(yours) == "http://localhost:5000/operator   the operator's desk, with your token"
+    with pytest.raises(SettingsError, match="at least 16 characters"):
+        Settings.from_env({"LASERBOT_OPERATOR_TOKEN": "mine"})
 
 
 def test_a_demo_plays_with_coded_light_unless_the_environment_says_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
