@@ -26,6 +26,7 @@ from robot.rosserial.events import (
 from robot.rosserial.frame import MAX_PAYLOAD, encode
 from robot.rosserial.host import SILENCE, Host
 from robot.rosserial.ids import STOP_SENDING
+from robot.rosserial.log_budget import LogBudget
 from robot.rosserial.topic_info import TopicInfo
 from robot.serial.dead_man import DeadMan
 from robot.serial.device_log import DeviceLogger
@@ -58,7 +59,7 @@ class SerialLine:
             master,
         )
         self._parameters = Parameters(master, self._answer)
-        self._device_log = DeviceLogger()
+        self._device_log, self._log_budget = DeviceLogger(), LogBudget()
         self._host = Host(time.monotonic())
         self._room = MAX_PAYLOAD  # bytes, of the device's buffer
         self._lock = threading.Lock()  # for all below, and for writing to the port
@@ -84,7 +85,8 @@ class SerialLine:
                     self._waker.clear()
                 data = self._port.read() if self._port.fileno() in ready else b""
                 now, wall = time.monotonic(), time.time()
-                for event in self._host.receive(data, now, wall) + self._host.tick(now, wall):
+                events = self._host.receive(data, now, wall) + self._host.tick(now, wall)
+                for event in self._log_budget.within(events, now):
                     self._handle(event)
                 if now >= self._hears_again_at:
                     self._hears_again_at = now + HEAR_AGAIN

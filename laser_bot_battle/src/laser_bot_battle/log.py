@@ -14,7 +14,7 @@ from laser_bot_battle.token_bucket import TokenBuckets
 from laser_bot_battle.variables import LOG_FORMAT
 
 MAX_LINE = 4000  # characters of a message
-# the loggers that speak of what strangers send, and how many lines each has
+# the loggers that speak of what strangers and sketches send, and how many lines each has
 _STRANGERS = (
     "server.web.",
     "waitress.",
@@ -24,6 +24,9 @@ _STRANGERS = (
     "rosmaster.",
     "rosout.",
     "xmlrpc.",
+    "robot.serial.device_services.",
+    "robot.serial.device_topics.",
+    "robot.serial.line.",
     "robot.serial.parameters.",
 )
 BURST = 20

@@ -118,6 +118,24 @@ def test_log_lines_of_the_device_are_in_rosout_and_the_line_is_in_diagnostics(st
     until(lambda: 'name: "Robot46: serial line" message: "the device answers"' in diagnostics.output)
 
 
+def test_a_flood_of_log_lines_is_some_lines_and_one_about_the_others(start: Start, device: Device) -> None:
+    rosout = peer(start, "show", "/rosout", "rosgraph_msgs/Log")
+    node = serve(start, device.path, 57)
+
+    def is_heard() -> bool:
+        device.send(encode(7, b"\x01" + string("here")))
+        return 'msg: "here"' in rosout.output
+
+    until(is_heard)
+    device.send(encode(7, b"\x01" + string("flood")) * 2000 + encode(7, b"broken") * 2000)
+    rosout.wait_for("further log lines of the sketch were left out")
+    node.wait_for("further log lines of the sketch were left out")
+    node.wait_for("broken log message")
+    assert 0 < rosout.output.count("flood") < 200
+    assert 0 < node.output.count("flood") < 200
+    assert node.output.count("broken log message") < 200
+
+
 @pytest.mark.slow  # 20 s of real time
 def test_parameter_requests_do_not_starve_commands(start: Start, device: Device, ros_master: RosMaster) -> None:
     """The requests fill the line to 45 %; the driver sends 800 commands in 20 s."""

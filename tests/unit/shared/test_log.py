@@ -71,7 +71,9 @@ def test_a_long_text_is_cut(capsys):
     assert len(capsys.readouterr().err) < 5000
 
 
-@pytest.mark.parametrize("logger", ["server.web.api", "waitress", "rosout", "xmlrpc", "rosmaster.master", "asyncio"])
+@pytest.mark.parametrize(
+    "logger", ["server.web.api", "waitress", "rosout", "xmlrpc", "rosmaster.master", "asyncio", "robot.serial.line"]
+)
 def test_strangers_have_a_budget_of_lines_and_what_is_left_out_is_counted(capsys, monkeypatch, logger):
     configure_logging("info")
     now = [100.0]
