@@ -72,6 +72,21 @@ def restore(source: Path, database: Path) -> Path | None:
     return before
 
 
+def bring_back(held: sqlite3.Connection, database: Path) -> None:
+    """Put a database that was deleted back in its place, with all that is in it: `held` still has it open. CopyError,
+    OSError."""
+    database.parent.mkdir(parents=True, exist_ok=True)
+    with _part_of(database) as part:
+        with _explained(database), closing(sqlite3.connect(part)) as copy:
+            held.backup(copy)
+        _check(part)
+        if database.exists():
+            raise CopyError(f"there is another {database} meanwhile")
+        for suffix in ("-wal", "-shm"):  # `held` has them open, and a new file must not share them
+            database.with_name(database.name + suffix).unlink(missing_ok=True)
+        part.replace(database)
+
+
 def tidy(database: Path) -> None:
     """Write the file anew, so that nothing of what was deleted is left in its unused parts. CopyError."""
     with _explained(database), closing(_open(database, "rw")) as connection:

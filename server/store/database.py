@@ -9,21 +9,24 @@ import sqlite3
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from sqlalchemy import URL, Connection, Engine, Row, create_engine, delete, event, func, insert, select, update
 from sqlalchemy.exc import DatabaseError
+from sqlalchemy.pool import ConnectionPoolEntry
 
 from server.game import events
-from server.game.events import Recorded, kind_of, to_json
+from server.game.events import Recorded, from_json, kind_of, to_json
 from server.game.persistence import mend
 from server.store import schema, versions
+from server.store.backup import bring_back
 from server.store.clocks import Clocks
 from server.store.fighters import keep_fighters
 from server.store.forget import find_forgotten, rename_in_event, rename_in_state
+from server.store.held import UNSEEN, FileId, Held, file_id
 from server.store.track import Piece
 
 _log = logging.getLogger(__name__)
@@ -32,10 +35,15 @@ MAX_WAITING = 20_000  # events that wait for a database that is away; a battle h
 MAX_PIECES = 60  # of tracks that wait, too: about ten minutes
 WRITTEN_AGAIN = "the database can be written again"
 RETRY = 1.0  # s between attempts
+LOOK = 2.0  # s between looks at the file while nothing is to be written
+TOLD_FOR = 600.0  # s
 CLOSE_WITHIN = 1.0  # s
 _CLOCK = "clock"  # when the saved state was saved, see `clock_of`
 _SECRET = ("session", "key", "address")  # of events: nobody needs them any more, and they are personal
 _BUSY = 3.0  # s that a statement may wait for another program, and for a server's answer
+_BROKEN = (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
+# besides, of a file that was in order before: what it should have is not there any more
+_OVERWRITTEN = (*_BROKEN, sqlite3.SQLITE_CONSTRAINT_FOREIGNKEY)
 
 
 @dataclass(frozen=True)
@@ -45,6 +53,13 @@ class _Attempt:
     newest: int  # ID of the newest event before it, 0 for none
     last: Recorded  # of those that it would have added
     battle: int | None  # row of the one that runs after it
+
+
+class _State(NamedTuple):
+    """Of the game."""
+
+    data: Mapping[str, Any]
+    at: float  # Unix time in s
 
 
 @dataclass(frozen=True)
@@ -63,26 +78,34 @@ class AwayError(Exception):
 
 class Database:
     """Of one arena, which may share it with others: see schema.py. A thread of its own writes. `problem` says why it
-    cannot, "" while it can."""
+    cannot, "" while it can. `replacements` counts how often its file was deleted, replaced or overwritten."""
 
-    def __init__(self, url: URL, arena: str = "", clocks: Clocks | None = None) -> None:
+    def __init__(self, url: URL, arena: str = "", clocks: Clocks | None = None, look: float = LOOK) -> None:
         self.arena = arena
         self.problem = ""
+        self.replacements = 0
         self.found: Callable[[Kept], None] = lambda kept: None  # told what is there, when it could not be read before
         self._unread = False
         self._url = url
+        self._path = Path(url.database) if self._is_file and url.database else None
         self._clocks = clocks or Clocks()
         self._engine = make_engine(url)
         self._changed = threading.Condition()
         # what waits has Unix times, by the clock of the battle: as the wall's clock was set when the battle began
         self._waiting: list[Recorded] = []
         self._in_hand = 0  # of what waits, what the thread is about to write
-        self._saved: Mapping[str, Any] | None = None
+        self._saved: _State | None = None
+        self._newest: _State | None = None  # whether it is written or not
         self._pieces: list[tuple[Piece, float]] = []  # and what makes their times Unix times
         self._offset = self._clocks.offset()  # of the battle's clock; of the last one's while none runs
         self._fighting = False
         self._battle: int | None = None  # row of the one that runs, as far as it is written
         self._unsure: _Attempt | None = None
+        self._look_every = look if self._path else None
+        self._file: FileId | None = None  # that is open
+        self._held = Held()
+        self._is_anew = False  # what is held is still to be written to another file than before
+        self._mishap, self._mishap_at = "", 0.0
         self._closing = False
         self._thread = threading.Thread(target=self._run, name="database", daemon=True)
 
@@ -103,6 +126,7 @@ class Database:
 
     def keep_robots(self, ids: Mapping[str, int]) -> None:
         """Add IDs by ROS names, which are not there yet. A failure is logged."""
+        self._held.keep_robots(ids)
         try:
             with self._transaction() as connection:
                 for caller, robot in ids.items():
@@ -115,7 +139,8 @@ class Database:
         with self._changed:
             self._waiting += self._dated(recorded)
             mark = self._clocks.mark()
-            self._saved = {**saved, _CLOCK: mark | {"battle": mark["monotonic"] + self._offset}}
+            clock = mark | {"battle": mark["monotonic"] + self._offset}
+            self._saved = self._newest = _State({**saved, _CLOCK: clock}, mark["unix"])
             if len(self._waiting) > MAX_WAITING:
                 del self._waiting[: len(self._waiting) - MAX_WAITING]
             self._changed.notify()
@@ -133,6 +158,11 @@ class Database:
             return len(self._waiting) + self._in_hand
 
     @property
+    def mishap(self) -> str:
+        """What happened to the file, and what was done, for some minutes; "" if nothing did."""
+        return self._mishap if self._clocks.monotonic() - self._mishap_at < TOLD_FOR else ""
+
+    @property
     def version(self) -> str:
         """Of what keeps it, as far as that is known."""
         numbers = self._engine.dialect.server_version_info or ()
@@ -141,6 +171,8 @@ class Database:
     @contextmanager
     def reading(self) -> Iterator[Connection]:
         """For any thread. AwayError if it cannot be read now."""
+        if self._is_other_file():  # opening it here would make a new one
+            raise AwayError("its file was deleted or replaced")
         try:
             with self._engine.connect() as connection:
                 yield connection
@@ -172,11 +204,13 @@ class Database:
     def _run(self) -> None:
         while True:
             with self._changed:
-                while not self._saved and not self._pieces and not self._closing:
-                    self._changed.wait()
+                self._changed.wait_for(lambda: self._saved or self._pieces or self._closing, self._look_every)
                 recorded, saved, pieces = self._waiting, self._saved, self._pieces
                 self._waiting, self._saved, self._pieces, self._in_hand = [], None, [], len(recorded)
-            written = not (saved or pieces) or self._write(recorded, saved, pieces)
+            self._look(recorded)
+            if self._is_anew:
+                saved = saved or self._newest
+            written = not (saved or pieces or self._is_anew) or self._write(recorded, saved, pieces)
             with self._changed:
                 self._in_hand = 0
                 if not written:
@@ -187,55 +221,103 @@ class Database:
                 if self._closing and not (written and (self._saved or self._pieces)):
                     return
 
-    def _write(
-        self, recorded: list[Recorded], saved: Mapping[str, Any] | None, pieces: Sequence[tuple[Piece, float]]
-    ) -> bool:
+    def _look(self, recorded: list[Recorded]) -> None:
+        """If another file is where the open one was, or none, go over to that."""
+        if self._path is None or not self._is_other_file():
+            return
+        if file_id(self._path) is not None:
+            self._begin_anew("replaced", recorded)
+            return
+        try:
+            with self._engine.connect() as connection:
+                held: Any = connection.connection.driver_connection
+                if connection.info["file"] != self._file:
+                    raise LookupError("no connection was open")
+                bring_back(held, self._path)
+        except Exception as error:
+            _log.warning("%s cannot be brought back: %s", self._path, _reason(error))
+            self._begin_anew("deleted", recorded)
+        else:
+            self._engine.dispose()
+            self._file = file_id(self._path)
+            self._tell_mishap("deleted", "all that was in it has been written there again")
+
+    def _begin_anew(self, what: str, recorded: list[Recorded]) -> None:
+        """The file is lost, and with it the battle that runs: it is written once more, before `recorded`."""
+        self._engine.dispose()
+        self._file, self._battle, self._unsure, self._is_anew = None, None, None, True
+        recorded[:0] = self._held.take_battle()
+        self._tell_mishap(what, "what this program holds is written to the file that is there now, or to a new one")
+        self.problem = self._mishap
+
+    def _tell_mishap(self, what: str, done: str) -> None:
+        self.replacements += 1
+        self._mishap, self._mishap_at = f"{self._path} was {what} while it was open: {done}", self._clocks.monotonic()
+        _log.error("%s", self._mishap)
+
+    def _write(self, recorded: list[Recorded], saved: _State | None, pieces: Sequence[tuple[Piece, float]]) -> bool:
         """Whether it could be done. What turns out to be there already is taken out of `recorded`."""
-        if self._unread:
-            kept = self._try_load()
-            if kept is None:
-                return False
-            self._unread, self._battle = False, None
-            _log.warning(WRITTEN_AGAIN)
-            if kept.state is not None:
-                try:
-                    self.found(kept)
-                except Exception:
-                    _log.exception("what the database had could not be taken over")
-                return False  # the next state has what was found
+        if (self._unread or self._is_anew) and not self._read():
+            return False
         try:
             with self._transaction() as connection:
                 if self.problem:
                     versions.prepare(connection)
                 battle = self._battle
+                if self._is_anew:
+                    for caller, robot in self._held.robots.items():
+                        _keep_robot(connection, self.arena, caller, robot)
                 if saved:
                     battle = self._write_events(connection, recorded, saved)
                 for piece, offset in pieces:
                     _keep_piece(connection, self.arena, piece, offset)
         except Exception as error:
+            if isinstance(error, DatabaseError) and self._has_code(error, _OVERWRITTEN) and not self._is_anew:
+                self._begin_anew(f"overwritten ({_reason(error)})", recorded)
+                return False
             self._tell(error)
             self._engine.dispose()  # a connection that was given up may still get the answer
             return False
-        self._battle, self._unsure = battle, None
+        self._held.keep(recorded)
+        self._battle, self._unsure, self._is_anew = battle, None, False
         if self.problem:
             _log.warning(WRITTEN_AGAIN)
         self.problem = ""
         return True
 
-    def _write_events(self, connection: Connection, recorded: list[Recorded], saved: Mapping[str, Any]) -> int | None:
+    def _read(self) -> bool:
+        """Open what could not be read before. Whether it may be written over now."""
+        kept = self._try_load()
+        if kept is None:
+            return False
+        self._battle = None  # the one that runs is none that it has
+        if self._is_anew:
+            return True
+        self._unread = False
+        _log.warning(WRITTEN_AGAIN)
+        if kept.state is not None:
+            try:
+                self.found(kept)
+            except Exception:
+                _log.exception("what the database had could not be taken over")
+            return False  # the next state has what was found
+        return True
+
+    def _write_events(self, connection: Connection, recorded: list[Recorded], saved: _State) -> int | None:
         """Returns the row of the battle that runs after them."""
         own = schema.state.c.arena == self.arena
         connection.execute(delete(schema.state).where(own))  # first, since it waits for an earlier attempt to end
         newest = connection.scalar(select(func.max(schema.events.c.id)).where(schema.events.c.arena == self.arena)) or 0
         if self._unsure and newest > self._unsure.newest:
-            self._battle, recorded[:] = self._unsure.battle, _after(self._unsure.last, recorded)
-            self._unsure = None
+            rest = _after(self._unsure.last, recorded)
+            self._held.keep(recorded[: len(recorded) - len(rest)])
+            self._battle, recorded[:], self._unsure = self._unsure.battle, rest, None
         battle = self._battle
-        forgotten = find_forgotten(connection, saved, self.arena)
+        forgotten = find_forgotten(connection, saved.data, self.arena)
         for one in recorded:
             battle = _keep(connection, one, battle, forgotten, arena=self.arena)
-        data = rename_in_state(saved, forgotten)
-        connection.execute(insert(schema.state).values(arena=self.arena, at=self._clocks.wall(), data=data))
+        data = rename_in_state(saved.data, forgotten)
+        connection.execute(insert(schema.state).values(arena=self.arena, at=saved.at, data=data))
         if recorded:
             self._unsure = _Attempt(newest, recorded[-1], battle)
         return battle
@@ -245,7 +327,7 @@ class Database:
             try:
                 kept = self._load()
             except DatabaseError as error:
-                if not self._is_broken_file(error):
+                if not self._has_code(error, _BROKEN):
                     raise
                 self._put_aside(error)
                 kept = self._load()
@@ -253,7 +335,10 @@ class Database:
             self._tell(error)
             self._engine.dispose()
             return None
-        self.problem = ""
+        self._file = file_id(self._path)
+        if not self._is_anew:
+            self._held.keep_robots(kept.robots)
+            self.problem = ""
         return kept
 
     def _load(self) -> Kept:
@@ -265,6 +350,7 @@ class Database:
             last = last_battle(connection, self.arena)
             if row and last and last.ended is None and last.number == row.data.get("battle"):
                 self._battle = last.id
+                self._held.keep(_events_of(connection, last.id))
             kept = Kept({row.caller: row.robot for row in known}, last.number if last else 0)
             if row is None:
                 return kept
@@ -276,10 +362,13 @@ class Database:
     def _is_file(self) -> bool:
         return self._url.get_backend_name() == "sqlite"
 
+    def _is_other_file(self) -> bool:
+        return self._file is not None and file_id(self._path) not in (self._file, UNSEEN)
+
     @contextmanager
     def _transaction(self) -> Iterator[Connection]:
-        if self._is_file and self._url.database:
-            Path(self._url.database).parent.mkdir(parents=True, exist_ok=True)
+        if self._path:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
         with self._engine.begin() as connection:
             yield connection
 
@@ -289,9 +378,8 @@ class Database:
             _log.error("the database %s cannot be used (%s): the game goes on without it", self._url, reason)
         self.problem = reason
 
-    def _is_broken_file(self, error: DatabaseError) -> bool:
-        code = getattr(error.orig, "sqlite_errorcode", None)
-        return bool(self._url.database) and code in (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
+    def _has_code(self, error: DatabaseError, codes: tuple[int, ...]) -> bool:
+        return self._path is not None and getattr(error.orig, "sqlite_errorcode", None) in codes
 
     def _put_aside(self, error: DatabaseError) -> None:
         self._engine.dispose()
@@ -370,6 +458,14 @@ def _keep(
     return None if isinstance(decided, events.BattleEnded) else battle
 
 
+def _events_of(connection: Connection, battle: int) -> Iterator[Recorded]:
+    """With Unix times."""
+    events = schema.events.c
+    for row in connection.execute(select(schema.events).where(events.battle == battle).order_by(events.id)):
+        with suppress(ValueError):  # of another version of this program
+            yield Recorded(row.at, from_json(row.kind, row.data))
+
+
 def _keep_piece(connection: Connection, arena: str, piece: Piece, offset: float) -> None:
     """What has no battle is left out: the battle's beginning was lost while the database was away."""
     battles = schema.battles.c
@@ -394,7 +490,8 @@ def make_engine(url: URL) -> Engine:
     engine = create_engine(url, connect_args={"timeout": _BUSY})
 
     @event.listens_for(engine, "connect")
-    def settle(connection: Any, _: object) -> None:
+    def settle(connection: Any, record: ConnectionPoolEntry) -> None:
+        record.info["file"] = file_id(Path(url.database) if url.database else None)
         # a commit outlives the program by the log alone; only a power cut may take the last ones
         try:
             connection.execute("PRAGMA journal_mode=WAL")

@@ -1,6 +1,6 @@
 """What the web server tells those who watch it (docs/monitoring.md): the game, and the robots as they say they are."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
@@ -8,6 +8,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from laser_bot_battle.watched import counter, gauge, labelled
 from server.game.loop import GameLoop
 from server.game.robot_health import WARNINGS, Report, RobotsHealth
+from server.store.database import Database
 
 
 class Reading(NamedTuple):
@@ -45,9 +46,9 @@ COUNTED_BY_THE_BOARD = tuple(
 
 
 def metrics(
-    game: GameLoop, health: RobotsHealth, hits: Mapping[tuple[str, ...], int], problem: Callable[[], str]
+    game: GameLoop, health: RobotsHealth, hits: Mapping[tuple[str, ...], int], database: Database
 ) -> Iterable[Metric]:
-    """`hits` by light and whether they count; `problem` is the database's."""
+    """`hits` by light and whether they count."""
     now, overview = game.snapshot(), game.overview()
     yield gauge("laserbot_game_state", "0 stopped, 1 countdown, 2 a battle runs.", now.game.value)
     yield counter("laserbot_battles_total", "Battles begun since there is this database.", now.battle)
@@ -62,7 +63,12 @@ def metrics(
         ["light", "counts"],
         hits,
     )
-    yield gauge("laserbot_database_up", "1: the database takes what is decided.", not problem())
+    yield gauge("laserbot_database_up", "1: the database takes what is decided.", not database.problem)
+    yield counter(
+        "laserbot_database_replacements_total",
+        "Times that the database's file was deleted, replaced or overwritten while it was open.",
+        database.replacements,
+    )
     yield from _robots(overview["robots"], {robot: health.of(robot) for robot in now.robots})
 
 

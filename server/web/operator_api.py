@@ -118,7 +118,12 @@ def _add_views(
         return jsonify(
             time=time.time(),
             **overview,
-            database={"url": address, "problem": database.problem, "waiting": database.waiting},
+            database={
+                "url": address,
+                "problem": database.problem,
+                "mishap": database.mishap,
+                "waiting": database.waiting,
+            },
             versions={**versions, "database": database.version},
             operator=g.operator,
             log=log.latest(),

@@ -9,13 +9,16 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+import requests
 from sqlalchemy import URL
 
 from server.game.events import BattleStarted, Hit
 from tests.integration.server.conftest import GameServer, Page, RobotPeer, StatusPeer
+from tests.integration.server.test_operator import TOKEN, Desk
 from tests.support.databases import events, taken
 from tests.support.lan import needs_root
 from tests.support.polling import until
+from tests.support.ports import free_port
 from tests.support.postgres import Postgres, own_postgres
 from tests.support.programs import Program
 
@@ -182,6 +185,35 @@ def fill(path: Path) -> None:
                 filler.write(bytes(4096))
         except OSError:
             pass
+
+
+def test_a_file_that_is_deleted_in_a_battle_is_told_and_loses_nothing(fight, tmp_path: Path) -> None:
+    metrics = f"127.0.0.1:{free_port()}"
+    battle = fight(LASERBOT_OPERATOR_TOKEN=TOKEN, LASERBOT_METRICS=metrics)
+    desk = Desk(battle.server.url)
+    file = Path(file_of(tmp_path).database or "")
+    try:
+        for _ in range(3):
+            battle.hit()
+        until(lambda: hits(file_of(tmp_path)) == [99, 98, 97], 10, "it is in use")
+        assert desk.get("state")["database"]["mishap"] == ""
+        for path in file.parent.glob("laserbot.db*"):
+            path.unlink()
+        told = until(lambda: desk.get("state")["database"]["mishap"], 10, "the desk tells it")
+        assert told == f"{file} was deleted while it was open: all that was in it has been written there again"
+        battle.server.program.wait_for(told)
+        with requests.get(f"http://{metrics}/metrics", timeout=5) as answer:
+            assert "laserbot_database_replacements_total 1.0" in answer.text
+        battle.hit()
+        desk.say("battle", action="abort")
+        battle.status.wait_for(lambda status: status["game"] == 0)
+    finally:
+        desk.close()
+    battle.restart()
+    with requests.get(f"{battle.server.url}/results/1.json", timeout=5) as answer:
+        result = answer.json()
+    assert {one["name"]: one["hits_taken"] for one in result["fighters"]} == {"ann": 0, "bob": 4}
+    assert hits(file_of(tmp_path)) == [99, 98, 97, 96]
 
 
 @pytest.mark.slow

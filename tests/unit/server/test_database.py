@@ -1,10 +1,12 @@
 """The database: what it keeps, and that the game does not mind its faults; a file and a server alike."""
 
 import gc
+import os
+import shutil
 import sqlite3
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,11 +16,12 @@ import pytest
 from sqlalchemy import URL, create_engine, insert, make_url, select, text, update
 
 from server.game import desk
+from server.game.events import BattleStarted, Recorded
 from server.game.persistence import restore
 from server.game.referee import Referee
 from server.store import schema, versions
 from server.store.clocks import Clocks
-from server.store.database import MAX_WAITING, Database, Kept
+from server.store.database import MAX_WAITING, TOLD_FOR, Database, Kept
 from server.store.track import Floor, Piece
 from tests.support.databases import rows, taken
 from tests.support.polling import until
@@ -52,11 +55,13 @@ def url(request: pytest.FixtureRequest, file: Path, postgres: Postgres) -> URL:
 
 @pytest.fixture
 def open_(match) -> Iterator[Callable[[URL], tuple[Database, Kept]]]:
-    """Opens one, by the clock of the match, which was at 1000 s at Unix time 1 001 000 s; closed at the end."""
+    """Opens one, by the clock of the match, which was at 1000 s at Unix time 1 001 000 s; closed at the end. It often
+    looks at its file."""
     databases: list[Database] = []
 
     def open_one(url: URL) -> tuple[Database, Kept]:
-        databases.append(Database(url, clocks=Clocks(wall=lambda: match.now + 1e6, monotonic=lambda: match.now)))
+        clocks = Clocks(wall=lambda: match.now + 1e6, monotonic=lambda: match.now)
+        databases.append(Database(url, clocks=clocks, look=0.05))
         return databases[-1], databases[-1].open()
 
     yield open_one
@@ -194,6 +199,153 @@ def test_a_file_that_is_broken_is_put_aside(opened_file, file, match, caplog, sp
     assert (file.parent / "game.db.broken").read_bytes() == broken
     assert "begun anew" in caplog.text
     assert not database.problem
+
+
+def delete(file: Path) -> None:
+    for path in file.parent.glob(f"{file.name}*"):
+        path.unlink()
+
+
+def delete_alone(file: Path) -> None:
+    """Without what SQLite has beside it."""
+    file.unlink()
+
+
+def delete_folder(file: Path) -> None:
+    shutil.rmtree(file.parent)
+
+
+def lives(url: URL) -> list[int]:
+    """That hits have left."""
+    return [data["life"] for _, _, _, kind, data, _ in rows(url, "events") if kind == "Hit"]
+
+
+@pytest.mark.parametrize("delete", [delete, delete_alone, delete_folder])
+def test_a_file_that_is_deleted_while_nothing_happens_is_back_soon_with_all_that_was_in_it(
+    opened_file, file, match, caplog, delete: Callable[[Path], None]
+):
+    database, _ = opened_file()
+    url = URL.create("sqlite", database=str(file))
+    played(match)
+    record(database, match)
+    wait_until_written(database)
+    assert database.mishap == ""
+    before = {table: rows(url, table) for table in schema.metadata.tables}
+    delete(file)
+    until(lambda: database.mishap, 10, "it is noticed")
+    assert {table: rows(url, table) for table in schema.metadata.tables} == before
+    told = f"{file} was deleted while it was open: all that was in it has been written there again"
+    assert (database.mishap, database.replacements, database.problem) == (told, 1, "")
+    assert [one.message for one in caplog.records if one.levelname == "ERROR"] == [told]
+    match.hit("bob", 10)
+    record(database, match)
+    database.close()
+    assert [cause for _, _, _, _, cause, *_ in rows(url, "battles")] == ["bob was shot down"] * 2
+    assert len(lives(url)) == 21
+    match.now += TOLD_FOR
+    assert database.mishap == ""
+
+
+def test_a_file_that_is_deleted_just_before_the_end_is_back_as_well(opened_file, file, match):
+    database, _ = opened_file()
+    played(match)
+    record(database, match)
+    wait_until_written(database)
+    delete(file)
+    match.hit("bob", 1)
+    record(database, match)
+    database.close()
+    assert len(lives(URL.create("sqlite", database=str(file)))) == 12
+    assert opened_file()[1].robots
+
+
+def another(open_: Callable[[URL], tuple[Database, Kept]], file: Path) -> None:
+    """A database with a robot of its own, of another ID that is taken here, and battle 7."""
+    other = file.with_name("other.db")
+    database, _ = open_(URL.create("sqlite", database=str(other)))
+    database.keep_robots({"/guest": 9, "/stranger": 1})
+    database.record([Recorded(0.0, BattleStarted(7, 300.0, ()))], {})
+    wait_until_written(database)
+    database.close()
+    delete(file)
+    other.rename(file)
+
+
+def rubbish(_: object, file: Path) -> None:
+    other = file.with_name("other.db")
+    no_database(other)
+    delete(file)
+    other.rename(file)
+
+
+def overwritten(_: object, file: Path) -> None:
+    """In its place, after all has come from the log into the file."""
+    checkpoint(file)
+    no_database(file)
+
+
+def emptied(_: object, file: Path) -> None:
+    checkpoint(file)
+    os.truncate(file, 0)
+
+
+def checkpoint(file: Path) -> None:
+    with closing(sqlite3.connect(file)) as connection:
+        assert connection.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone() == (0, 0, 0)
+
+
+@pytest.mark.parametrize("spoil", [another, rubbish, overwritten, emptied])
+def test_another_file_in_its_place_gets_the_battle_that_runs_and_all_robots(
+    open_, file, match, caplog, spoil: Callable[[object, Path], None]
+):
+    url = URL.create("sqlite", database=str(file))
+    database, _ = open_(url)
+    match.start("ada", "bob")
+    match.hit("bob", 3)
+    record(database, match)
+    wait_until_written(database)
+    spoil(open_, file)
+    match.hit("bob", 2)
+    record(database, match)
+    until(lambda: database.mishap, 10, "it is noticed")
+    wait_until_written(database)
+    assert database.replacements == 1
+    assert any("while it was open: what this program holds is written" in one.message for one in caplog.records)
+    match.hit("bob", 5)
+    record(database, match)
+    database.close()
+    assert lives(url) == [90, 80, 70, 60, 50, 40, 30, 20, 10, 0]
+    battles = [(number, cause) for _, number, _, _, cause, *_ in rows(url, "battles")]
+    assert battles == [(7, None)] * (spoil is another) + [(1, "bob was shot down")]
+    assert sorted(row[1:9] for row in rows(url, "fighters")) == [
+        (battle, name, robot, 0, place, life, 0, hits)
+        for battle in [len(battles)]
+        for name, robot, place, life, hits in [("ada", 0, 1, 100, 0), ("bob", 1, 2, 0, 10)]
+    ]
+    kept = open_(url)[1]
+    ours = {f"/id_service_client_{number}": number for number in range(4)}
+    assert kept.robots == ours | ({"/guest": 9} if spoil is another else {})
+    state = restore(kept.state or {}, kept.robots, match.now, 0.0)
+    assert Referee(match.rules, state).snapshot(match.now) == match.state
+
+
+def test_another_file_in_its_place_gets_the_state_of_the_time_when_that_was(opened_file, file, match):
+    """And all of a battle that an earlier program has begun, although nothing has happened in this one."""
+    database, _ = opened_file()
+    url = URL.create("sqlite", database=str(file))
+    played(match)
+    record(database, match)
+    database.close()
+    database, _ = opened_file()
+    record(database, match)
+    wait_until_written(database)
+    at, recorded = rows(url, "state")[0][1], rows(url, "events")
+    match.now += 100
+    rubbish(None, file)
+    until(lambda: database.mishap and not database.problem, 10, "it is noticed and done")
+    assert rows(url, "state")[0][1] == at
+    assert [row[3] for row in rows(url, "events")] == [kind for _, _, battle, kind, *_ in recorded if battle == 2]
+    assert [number for _, number, *_ in rows(url, "battles")] == [2]
 
 
 def test_a_database_of_a_newer_program_is_left_alone(opened, url, match):

@@ -543,7 +543,7 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     }  # fmt: skip
     assert state["queue"] == [{"name": "dee", "place": 1, "offer": None, "seconds": pytest.approx(185)}]
     assert len(state["rules"]) == 15
-    assert state["database"]["problem"] == ""
+    assert (state["database"]["problem"], state["database"]["mishap"]) == ("", "")
     assert state["versions"].keys() == {"laserbot", "python", "ros", "database"}
     assert state["versions"]["database"].startswith("sqlite 3.")
 

@@ -129,8 +129,9 @@ function showBanned(banned, on) {
 function showSystem({ database, versions }) {
   setText(byId("database-url"), database.url);
   setText(byId("database-waiting"), String(database.waiting));
-  byId("database-problem").hidden = database.problem === "";
-  setText(byId("database-problem"), t("desk.database_problem", { problem: database.problem }));
+  const { problem, mishap } = database;
+  byId("database-problem").hidden = problem === "" && mishap === "";
+  setText(byId("database-problem"), problem ? t("desk.database_problem", { problem }) : mishap);
   for (const [part, version] of Object.entries(versions)) setText(byId(`version-${part}`), version);
 }
 
