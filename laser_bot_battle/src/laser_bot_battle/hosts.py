@@ -1,6 +1,9 @@
 """The header Host of a request: whether it names a host, and what a Content-Security-Policy can say of that."""
 
+import codecs
 import re
+
+codecs.lookup("idna")  # its first use loads it: if no file can be opened at that moment, it may stay unknown
 
 _LABEL = r"[A-Za-z0-9_](?:[A-Za-z0-9_-]{0,61}[A-Za-z0-9_])?"
 _HOST = re.compile(rf"(?P<name>{_LABEL}(?:\.{_LABEL})*\.?|\[[0-9A-Fa-f:.]{{2,45}}\])(?::(?P<port>[0-9]{{1,5}}))?")

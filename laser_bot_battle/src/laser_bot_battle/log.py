@@ -1,5 +1,6 @@
 """Logging of all programs: one line per event on stderr, whatever strangers send and however often."""
 
+import codecs
 import json
 import logging
 import sys
@@ -12,6 +13,8 @@ from typing import Any
 from laser_bot_battle.settings import read_or_exit
 from laser_bot_battle.token_bucket import TokenBuckets
 from laser_bot_battle.variables import LOG_FORMAT
+
+codecs.lookup("unicode_escape")  # its first use loads it, and what is logged may be that no file can be opened
 
 MAX_LINE = 4000  # characters of a message
 # the loggers that speak of what strangers and sketches send, and how many lines each has

@@ -1,5 +1,9 @@
 """What may stand in the header Host, and how a policy has it."""
 
+import os
+import subprocess
+import sys
+
 import pytest
 
 from laser_bot_battle.hosts import is_valid_host, policy_source
@@ -54,3 +58,19 @@ def test_a_policy_has_the_name_where_it_can(host: str, source: tuple[str, str]) 
 def test_a_policy_takes_nothing_that_is_no_host() -> None:
     with pytest.raises(ValueError, match="no host"):
         policy_source("a; script-src *")
+
+
+WITHOUT_FILES = """
+import resource
+from laser_bot_battle.hosts import is_valid_host
+from laser_bot_battle.log import visible
+resource.setrlimit(resource.RLIMIT_NOFILE, (0, 0))
+print(is_valid_host("localhost:8080"), visible("\a"))
+"""
+
+
+def test_a_host_is_read_and_a_line_is_logged_when_files_have_run_out() -> None:
+    """Although nothing has needed their codecs before."""
+    command, environment = [sys.executable, "-c", WITHOUT_FILES], {"PYTHONPATH": os.pathsep.join(sys.path)}
+    result = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert (result.stdout, result.stderr) == ("True \\x07\n", "")
