@@ -6,7 +6,7 @@ from typing import Self
 
 from laser_bot_battle import variables
 from laser_bot_battle.operator_token import read_operator_token
-from server.access.proxies import Network, believed
+from laser_bot_battle.proxies import Network, believed
 from server.program.program import ProgramSettings
 
 VARIABLES = (

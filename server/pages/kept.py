@@ -10,7 +10,7 @@ from wsgiref.types import StartResponse, WSGIApplication, WSGIEnvironment
 from werkzeug.wrappers import Request, Response
 
 from laser_bot_battle.names import FRONT_HEADER
-from server.access.proxies import SCHEME
+from laser_bot_battle.proxies import SCHEME
 from server.web.assets import STATIC
 from server.web.words import LANGUAGE_COOKIE, THEME_COOKIE
 

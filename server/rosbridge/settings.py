@@ -6,9 +6,9 @@ from typing import Any, Self
 
 from laser_bot_battle import variables
 from laser_bot_battle.operator_token import read_operator_token
+from laser_bot_battle.proxies import Network, believed
 from laser_bot_battle.settings import Variable
 from server.access.globs import Globs
-from server.access.proxies import Network, believed
 from server.program.program import ProgramSettings
 
 VARIABLES = (

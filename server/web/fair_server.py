@@ -16,7 +16,7 @@ from waitress.channel import HTTPChannel
 from waitress.parser import HTTPRequestParser, ParsingError
 from waitress.server import TcpWSGIServer
 
-from server.access.proxies import FORWARDED, THIS_MACHINE, Network, is_proxy, visitor
+from laser_bot_battle.proxies import FORWARDED, THIS_MACHINE, Network, is_proxy, visitor
 from server.web.lanes import Lane, Lanes, Task
 
 PLACES = 500  # connections

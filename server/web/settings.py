@@ -9,8 +9,8 @@ from sqlalchemy import URL
 
 from laser_bot_battle import variables
 from laser_bot_battle.operator_token import read_operator_token
+from laser_bot_battle.proxies import Network, believed
 from laser_bot_battle.settings import Variable
-from server.access.proxies import Network, believed
 from server.game.rules import DECLARED, Rules
 from server.program.program import ProgramSettings
 from server.store.location import data_folder, database_url

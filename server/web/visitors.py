@@ -7,8 +7,8 @@ import time
 
 from flask import current_app, request
 
+from laser_bot_battle.proxies import FORWARDED, SCHEME, THIS_MACHINE, is_proxy, visitor
 from laser_bot_battle.token_bucket import TokenBuckets
-from server.access.proxies import FORWARDED, SCHEME, THIS_MACHINE, is_proxy, visitor
 
 AT_ONCE = 4  # sign-ups of one address, then
 PERIOD = 3.0  # s for each further one

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Hashable
 from typing import NamedTuple
 
+from laser_bot_battle.openings import MOST, OF_ADDRESS
 from server.access.identity import Identity
 
 
@@ -12,10 +13,10 @@ class Limits(NamedTuple):
 
     clients: int = 1000
     kept: int = 200  # of them, for players and operators
-    guests: int = 50  # of one address
+    guests: int = OF_ADDRESS  # of one address
     player: int = 20  # of one player
-    opening: int = 50  # of one address whose handshake is not finished
-    all_opening: int = 200
+    opening: int = OF_ADDRESS  # of one address whose handshake is not finished
+    all_opening: int = MOST
 
 
 class SocketOwner(NamedTuple):

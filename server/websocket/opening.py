@@ -11,8 +11,8 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
+from laser_bot_battle.proxies import FORWARDED, is_proxy, visitor
 from server.access.identity import Identity
-from server.access.proxies import FORWARDED, is_proxy, visitor
 from server.websocket.connection import Connection
 from server.websocket.server_state import ServerState
 
@@ -42,14 +42,10 @@ class Opening(asyncio.BufferedProtocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._transport = cast(asyncio.Transport, transport)  # uvloop's are no subclass
         self.address, *_ = transport.get_extra_info("peername") or ("nobody",)
-        openings, limits = self._state.openings, self._state.sockets.limits
         # a proxy's address does not say yet who comes
         is_many = is_proxy(self.address, self._state.proxies)
-        of_address = 0 if is_many else sum(other.address == self.address for other in openings)
-        if len(openings) >= limits.all_opening:
-            next(iter(openings)).cut()  # the slowest: most likely it never ends
-        openings[self] = self._state.loop.time()
-        if self._state.ending or of_address >= limits.opening:
+        may_stay = self._state.openings.add(self, self._state.loop.time(), is_many=is_many)
+        if self._state.ending or not may_stay:
             self.cut()
 
     def get_buffer(self, sizehint: int) -> memoryview:
@@ -85,7 +81,7 @@ class Opening(asyncio.BufferedProtocol):
         self._transport.abort()
 
     def connection_lost(self, error: Exception | None) -> None:
-        self._state.openings.pop(self, None)
+        self._state.openings.remove(self)
         self._state.left()
 
     def _answer(self, head: bytes, rest: bytes) -> None:
@@ -119,7 +115,7 @@ class Opening(asyncio.BufferedProtocol):
             self._state.log(self.address, f"a client of {self.address} was refused: {reason}")
             self._refuse(plain(HTTPStatus.SERVICE_UNAVAILABLE, "too many clients\n"))
             return
-        del self._state.openings[self]
+        self._state.openings.remove(self)
         self._transport.write(response.serialize())
         connection = Connection(self._state, self._transport, self.address, owner)
         self._transport.set_protocol(connection)

@@ -2,7 +2,6 @@
 
 import asyncio
 import contextlib
-import resource
 import socket
 from collections.abc import Sequence
 from types import TracebackType
@@ -10,14 +9,15 @@ from typing import Self
 
 from websockets.frames import CloseCode
 
-from server.access.proxies import Network
+from laser_bot_battle.open_files import allow_files
+from laser_bot_battle.openings import OPEN_TIMEOUT, Openings
+from laser_bot_battle.proxies import Network
 from server.websocket.connection import CLOSE_TIMEOUT
 from server.websocket.limits import Limits, SocketLimits
 from server.websocket.opening import Identify, Opening
 from server.websocket.scheduling import Scheduler
 from server.websocket.server_state import Bridge, ServerState
 
-OPEN_TIMEOUT = 5.0  # s for the handshake
 TICK = 0.5  # s between two looks at all clients
 # A tick that comes so late says that the loop, or the whole machine, stood still.
 LATE = 0.5  # s
@@ -52,7 +52,9 @@ class WebSocketServer:
     async def __aenter__(self) -> Self:
         """OSError when the port cannot be had."""
         loop = asyncio.get_running_loop()
-        self._state = ServerState(loop, self._bridge, SocketLimits(self._limits), Scheduler(loop), self._proxies)
+        openings = Openings(self._limits.all_opening, self._limits.opening)
+        sockets = SocketLimits(self._limits)
+        self._state = ServerState(loop, self._bridge, sockets, Scheduler(loop), openings, self._proxies)
         allow_files(self._limits.clients + self._limits.all_opening + SPARE_FILES)
         self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)  # its connections inherit it
         self._server = await loop.create_server(self._open, sock=self._listener, backlog=BACKLOG)
@@ -65,7 +67,7 @@ class WebSocketServer:
         self._timer.cancel()
         self._server.close()
         self._state.ending = True
-        for opening in list(self._state.openings):
+        for opening in self._state.openings:
             opening.cut()
         for connection in list(self._state.connections):
             connection.close(CloseCode.GOING_AWAY)
@@ -87,14 +89,4 @@ class WebSocketServer:
             if late > LATE:
                 connection.extend_deadlines(late)
             connection.check(now)
-        for opening, began in list(self._state.openings.items()):
-            if now - began > OPEN_TIMEOUT:
-                opening.cut()
-
-
-def allow_files(number: int) -> None:
-    """Allow this process so many open files, or as many as it may: each client is one."""
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if soft != resource.RLIM_INFINITY and soft < number:
-        most = number if hard == resource.RLIM_INFINITY else min(number, hard)
-        resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
+        self._state.openings.cut_older(now - OPEN_TIMEOUT)

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
+from laser_bot_battle.openings import Openings
+from laser_bot_battle.proxies import Network
 from server.access.identity import Identity
-from server.access.proxies import Network
 from server.websocket.limits import SocketLimits, SocketOwner
 from server.websocket.scheduling import Scheduler
 
@@ -19,15 +20,6 @@ READ = 16 * 2**10  # bytes
 # Guests who come and go must not fill the operator's log, and one of them must not hide all others.
 MAX_LOG_LINES = 50  # a second
 MAX_LINES_OF_ADDRESS = 20  # a second
-
-
-class Opening(Protocol):
-    """A TCP connection whose handshake is not finished."""
-
-    address: str
-
-    def cut(self) -> None:
-        """End it at once."""
 
 
 class Connection(Protocol):
@@ -67,8 +59,8 @@ class ServerState:
     bridge: Bridge
     sockets: SocketLimits
     scheduler: Scheduler
+    openings: Openings
     proxies: Sequence[Network] = ()  # that say for whom they come
-    openings: dict[Opening, float] = field(default_factory=dict)  # with the time at which they began
     connections: set[Connection] = field(default_factory=set)
     # every socket is read into this: what a message leaves there is copied before the next is read
     scratch: memoryview = field(default_factory=lambda: memoryview(bytearray(READ)))

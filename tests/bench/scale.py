@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import psutil
 
-from server.websocket.server import allow_files
+from laser_bot_battle.open_files import allow_files
 from tests.bench.bench_rosbridge import Figures, cpu_seconds, figures_of
 from tests.bench.bench_spectators import Guests, page_subscription
 from tests.bench.rosbridge_load import Remote

@@ -23,9 +23,9 @@ from typing import NamedTuple
 import psutil
 from sqlalchemy import URL, insert
 
+from laser_bot_battle.open_files import allow_files
 from server.store import schema
 from server.store.database import Database, make_engine
-from server.websocket.server import allow_files
 from tests.bench.bench_rosbridge import cpu_seconds
 from tests.bench.rosbridge_load import Remote
 from tests.bench.scale import FILES, Loaded, Row, loaded_master, measure

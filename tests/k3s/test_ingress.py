@@ -7,7 +7,7 @@ import kubernetes_validate
 import pytest
 import yaml
 
-from server.access.proxies import is_proxy
+from laser_bot_battle.proxies import is_proxy
 from tests.k3s.conftest import Customize
 from tests.k3s.test_overlays import VERSIONS
 from tests.support.manifests import Kubelet, Manifests, Object

@@ -4,8 +4,8 @@ from ipaddress import ip_network
 
 import pytest
 
+from laser_bot_battle.proxies import believed, is_proxy, visitor
 from laser_bot_battle.settings import SettingsError
-from server.access.proxies import believed, is_proxy, visitor
 
 PROXIES = [ip_network("127.0.0.1"), ip_network("10.42.0.0/16"), ip_network("::1")]
 
