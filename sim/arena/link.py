@@ -8,15 +8,19 @@ import socket
 from collections.abc import Iterable
 from typing import NoReturn
 
+from laser_bot_battle.openings import OPEN_TIMEOUT, Openings
 from sim.arena import ambient, protocol
 from sim.arena.ambient import Ambient
 from sim.arena.protocol import LinkError
 from sim.arena.world import MAX_ROBOTS, ArenaError, Robot, World
 
-MAX_CONNECTIONS = 32  # named or not; a battle needs 8
-HELLO_SECONDS = 5.0  # for the first line
+MAX_STRANGERS = 24  # connections that are no robot's yet
+MAX_CONNECTIONS = MAX_STRANGERS + MAX_ROBOTS
 FAREWELL_SECONDS = 1.0  # for the peer to read why it is disconnected
 MAX_UNSENT = 4096  # bytes; a robot that reads so slowly is stuck
+# what the kernel may hold for a robot; more would only make its light older
+SEND_BUFFER = 64 * 2**10  # bytes
+TURN = 0.002  # s of what one robot tells before the others get their turn
 LIGHT_DELAY = 0.004  # s; several robots' motions within this time are looked at together
 
 _log = logging.getLogger(__name__)
@@ -29,6 +33,7 @@ class Peer:
         self.reader = reader
         self.writer = writer
         self.source = 0  # number of its light among the robots'
+        self._is_refused = False
         self.address = "{}:{}".format(*writer.get_extra_info("peername")[:2])
 
     async def line(self) -> bytes | None:
@@ -49,9 +54,19 @@ class Peer:
             return
         self.writer.write(line)
 
+    def cut(self) -> None:
+        """Others need its place."""
+        _log.warning("%s disconnected: too many connections", self.address)
+        if self._is_refused:
+            self.writer.transport.abort()
+        else:
+            self.send(protocol.error("too many connections"))
+            self.writer.close()
+
     async def refuse(self, text: str) -> None:
         """Say why and close. What the peer still sends is read, or the kernel would reset the connection unread."""
         self.send(protocol.error(text))
+        self._is_refused = True
         with contextlib.suppress(OSError, TimeoutError):
             self.writer.write_eof()
             async with asyncio.timeout(FAREWELL_SECONDS):
@@ -69,6 +84,8 @@ class Link:
         self._remote: asyncio.Task[NoReturn] | None = None
         self._robots: dict[str, Peer] = {}
         self._open: set[Peer] = set()
+        # robots of one machine share its address
+        self._strangers = Openings(MAX_STRANGERS, MAX_STRANGERS + 1)
         self._light_due: asyncio.TimerHandle | None = None
         self._server: asyncio.Server | None = None
 
@@ -93,22 +110,23 @@ class Link:
         peer = Peer(reader, writer)
         _configure(writer.get_extra_info("socket"))
         self._open.add(peer)
+        self._strangers.add(peer, asyncio.get_running_loop().time())
         try:
-            if len(self._open) > MAX_CONNECTIONS:
-                raise ArenaError("too many connections")
             await self._welcome(peer)
         except (LinkError, ArenaError) as reason:
             _log.warning("%s disconnected: %s", peer.address, reason)
+            self._strangers.add(peer, asyncio.get_running_loop().time())  # again, if it was a robot
             await peer.refuse(str(reason))
         except OSError:
             pass  # the peer is gone, as _welcome has logged
         finally:
+            self._strangers.remove(peer)
             self._open.discard(peer)
             writer.close()
 
     async def _welcome(self, peer: Peer) -> None:
         try:
-            async with asyncio.timeout(HELLO_SECONDS):
+            async with asyncio.timeout(OPEN_TIMEOUT):
                 hello = await peer.line()
         except TimeoutError:
             raise LinkError("no hello") from None
@@ -120,6 +138,7 @@ class Link:
             older.writer.close()
             self._drop(name)
         robot = self._world.arrive(name)
+        self._strangers.remove(peer)
         peer.source = min(set(range(MAX_ROBOTS)) - {other.source for other in self._robots.values()})
         self._robots[name] = peer
         _log.info("%s on the floor (%s)", name, peer.address)
@@ -137,6 +156,8 @@ class Link:
 
     async def _listen(self, name: str, peer: Peer) -> None:
         """Follow what a robot's hardware does until its connection ends or another has its name."""
+        loop = asyncio.get_running_loop()
+        began = loop.time()
         while (line := await peer.line()) is not None and self._robots.get(name) is peer:
             match protocol.parse_event(line):
                 case protocol.Wheels(left, right):
@@ -146,9 +167,11 @@ class Link:
                     self._world.set_beam(name, on)
                     self._tell(self._world.update_light())
                 case protocol.CarrierEdge(on, cycle):
-                    now = asyncio.get_running_loop().time()
-                    for robot, seen in self._world.set_carrier(name, on, cycle, now):
+                    for robot, seen in self._world.set_carrier(name, on, cycle, loop.time()):
                         self._robots[robot.name].send(protocol.carrier(peer.source, seen, cycle))
+            if loop.time() - began > TURN:  # a line that is there already is read without waiting for anything
+                await asyncio.sleep(0)
+                began = loop.time()
 
     def _drop(self, name: str) -> None:
         del self._robots[name]
@@ -185,6 +208,7 @@ class Link:
 def _configure(peer: socket.socket) -> None:
     """Answers to light are small and urgent; a host that lost its power is noticed within about 10 s."""
     peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    peer.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)
     peer.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPIDLE, 4)
     peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_KEEPINTVL, 2)

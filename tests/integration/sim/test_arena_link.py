@@ -2,13 +2,15 @@
 
 import math
 import statistics
+import threading
 import time
 from collections.abc import Callable
-from contextlib import ExitStack
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, suppress
 
 import pytest
 
-from sim.arena.link import MAX_CONNECTIONS
+from sim.arena.link import MAX_STRANGERS
 from tests.integration.sim.arena import Arena, Hardware
 from tests.support.polling import until
 
@@ -175,15 +177,59 @@ def test_a_ninth_robot_is_told_that_the_floor_is_full(arena: Arena) -> None:
         assert len(arena.look()) == 8
 
 
-def test_connections_are_bounded(arena: Arena) -> None:
+def test_of_too_many_strangers_the_slowest_gives_way_and_never_a_robot(arena: Arena) -> None:
     with ExitStack() as stack:
         robot = stack.enter_context(Hardware(arena, "a0"))
         assert robot.line() == "light 0"
-        for _ in range(MAX_CONNECTIONS - 1):
-            stack.enter_context(Hardware(arena, None))
-        one_too_many = stack.enter_context(Hardware(arena, None))
-        assert one_too_many.line() == "error too many connections"
+        strangers = [stack.enter_context(Hardware(arena, None)) for _ in range(MAX_STRANGERS + 1)]
+        assert strangers[0].line() == "error too many connections"
+        assert strangers[0].line() == ""
+        late = stack.enter_context(Hardware(arena, "b1"))
+        assert late.line() == "light 0"
         robot.turn_wheels(0.1, 0.1)
+
+
+def test_a_robot_that_tells_without_end_holds_up_nobody(arena: Arena) -> None:
+    """Nor does it read."""
+    with Hardware(arena, "rude0") as rude, ThreadPoolExecutor(1) as talker:
+        ending = threading.Event()
+        talking = talker.submit(talk, rude, ending)
+        try:
+            began = time.monotonic()
+            for number in range(1, 6):
+                with Hardware(arena, f"good{number}") as good:
+                    assert good.line() == "light 0"
+                    assert f"good{number}" in arena.look()
+            took = time.monotonic() - began
+        finally:
+            ending.set()
+        assert talking.result() > 100_000, "it has not been told to wait"
+        assert took < 3
+
+
+def talk(rude: Hardware, ending: threading.Event) -> int:
+    """Until `ending`; how many bytes."""
+    told = 0
+    while not ending.is_set():
+        with suppress(TimeoutError):
+            rude.send_raw(b"wheels 1 1\nwheels 2 2\n" * 500)
+            told += 11_000
+    return told
+
+
+def test_a_robot_that_does_not_read_is_disconnected_and_the_others_go_on(arena: Arena) -> None:
+    with ExitStack() as stack:
+        shooter, _target = two_face_to_face(stack, arena)
+        for number in range(1000):
+            shooter.send(*(f"carrier {edge % 2} {1000 * number + edge}" for edge in range(1, 41)))
+            if "does not read what we send" in arena.program.output:
+                break
+        arena.program.wait_for("does not read what we send: disconnected")
+        until(lambda: list(arena.look()) == ["a0"], 5)
+        shooter.turn_wheels(0.1, 0.1)
+        with Hardware(arena, "c2") as other:
+            assert other.line() == "light 0"
+        assert shooter.look()["id"] == 0
 
 
 @pytest.mark.slow
