@@ -8,16 +8,21 @@ import sys
 from aiohttp import web
 
 from laser_bot_battle.log import configure_logging
+from laser_bot_battle.open_files import allow_files
 from laser_bot_battle.settings import describe, read_or_exit
 from laser_bot_battle.watched import Owner, in_loop, watched
 from sim.arena.ambient import Ambient, add_options
 from sim.arena.cameras.pages import CameraPages
-from sim.arena.link import Link
+from sim.arena.link import MAX_CONNECTIONS, Link
 from sim.arena.metrics import metrics
 from sim.arena.settings import VARIABLES, Settings
 from sim.arena.view import View
+from sim.arena.visits import ALL, Visits
 from sim.arena.world import World
 from sim.lifecycle import live_until, signalled
+
+KEEP_ALIVE = 5.0  # s that a connection may wait for its next request
+SPARE_FILES = 100  # beside sockets
 
 _log = logging.getLogger(__name__)
 
@@ -27,18 +32,22 @@ async def run(settings: Settings, light: Ambient, timecode: bool) -> None:
     end = signalled()
     world = World(settings.floor)
     link = Link(world, light)
-    view = View(world, settings.rosbridge_port, CameraPages(world, light, timecode))
-    page = web.AppRunner(view.app(), access_log=None, shutdown_timeout=1.0)
+    view = View(world, settings.rosbridge_port, CameraPages(world, light, timecode), settings.proxies)
+    page = web.AppRunner(view.app(), access_log=None, shutdown_timeout=1.0, keepalive_timeout=KEEP_ALIVE)
     await page.setup()
+    assert page.server
+    visits = Visits(page.server, settings.proxies)
+    allow_files(ALL + MAX_CONNECTIONS + SPARE_FILES)
     try:
         await link.start(settings.bind, settings.link_port)
-        await web.TCPSite(page, settings.bind, settings.view_port).start()
+        await visits.start(settings.bind, settings.view_port)
         _log.info("arena at http://localhost:%d, robots connect to port %d", settings.view_port, settings.link_port)
         owner = Owner(lambda: metrics(world, view.viewers), lambda: "")
         with watched("arena", settings.metrics, in_loop(owner)):
             await live_until(end)
     finally:
         await link.stop()
+        visits.stop()
         await page.cleanup()
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from laser_bot_battle.proxies import Network, believed
 from laser_bot_battle.variables import (
     ALIVE_FILE,
     ARENA,
@@ -12,11 +13,12 @@ from laser_bot_battle.variables import (
     LOG_FORMAT,
     LOG_LEVEL,
     METRICS,
+    PROXIES,
     ROSBRIDGE,
 )
 from sim.arena.floor import FLOORS, Floor
 
-VARIABLES = (BIND, ARENA, ARENA_LINK, FLOOR, ROSBRIDGE, METRICS, LOG_LEVEL, LOG_FORMAT, ALIVE_FILE)
+VARIABLES = (BIND, ARENA, ARENA_LINK, FLOOR, ROSBRIDGE, PROXIES, METRICS, LOG_LEVEL, LOG_FORMAT, ALIVE_FILE)
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ class Settings:
     link_port: int
     floor: Floor
     rosbridge_port: int
+    proxies: tuple[Network, ...]  # that are believed for whom they come
     metrics: tuple[str, int] | None  # where the first program is watched
     log_level: str
 
@@ -40,6 +43,7 @@ class Settings:
             link_port=ARENA_LINK.read(env),
             floor=FLOORS[FLOOR.read(env)],
             rosbridge_port=ROSBRIDGE.read(env),
+            proxies=believed(env),
             metrics=METRICS.read(env),
             log_level=LOG_LEVEL.read(env),
         )

@@ -6,7 +6,7 @@ import hashlib
 import json
 import logging
 import socket
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 
 from laser_bot_battle.hosts import is_valid_host
 from laser_bot_battle.names import FRONT_HEADER
+from laser_bot_battle.proxies import FORWARDED, Network, visitor
 from sim.arena.cameras.pages import CAMERAS, CameraPages
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
@@ -78,9 +79,11 @@ def state_message(world: World, now: float, start: float = 0.0) -> dict[str, Any
 class View:
     """The HTTP side. Every viewer gets the newest state when it can take one; a slow one skips states."""
 
-    def __init__(self, world: World, rosbridge_port: int, eyes: CameraPages) -> None:
-        """Pages find the game's rosbridge at `rosbridge_port` of the host that they came from."""
+    def __init__(self, world: World, rosbridge_port: int, eyes: CameraPages, proxies: Sequence[Network] = ()) -> None:
+        """Pages find the game's rosbridge at `rosbridge_port` of the host that they came from. Of `proxies` is believed
+        for whom they come."""
         self._world = world
+        self._proxies = proxies
         self._eyes = eyes
         self._rosbridge_port = rosbridge_port
         self._files = _files()
@@ -155,13 +158,15 @@ class View:
         return web.Response(text=text, content_type="text/html")
 
     async def _view(self, request: web.Request) -> web.StreamResponse:
-        if self._viewers.full:
-            raise web.HTTPServiceUnavailable(text="too many viewers")
+        forwarded = ", ".join(request.headers.getall(FORWARDED, [])) or None
+        address = visitor(request.remote or "", forwarded, self._proxies)
+        if reason := self._viewers.refusal(address):
+            raise web.HTTPServiceUnavailable(text=reason)
         # uncompressed: each viewer would cost the time to compress every state anew
         opened = web.WebSocketResponse(
             heartbeat=10, max_msg_size=1024, timeout=1.0, writer_limit=MAX_UNSENT, compress=False
         )
-        viewer = Viewer()
+        viewer = Viewer(address)
         self._viewers.add(viewer)
         self._open.add(opened)
         sender = None

@@ -3,6 +3,8 @@
 import asyncio
 from dataclasses import dataclass, field
 
+from laser_bot_battle.openings import OF_ADDRESS
+
 RATE = 25  # states a second
 CROWD_RATE = 10  # for those who are thinned
 MAX_VIEWERS = 512
@@ -15,6 +17,7 @@ DRIVE, WATCH = "drive", "watch"  # what a viewer may say of itself
 class Viewer:
     """One who looks. Until it says that it only watches, it counts as one who needs every state."""
 
+    address: str = ""
     watches: bool = False
     thinned: bool = False
 
@@ -28,9 +31,11 @@ class Viewers:
     def __len__(self) -> int:
         return len(self._all)
 
-    @property
-    def full(self) -> bool:
-        return len(self._all) >= MAX_VIEWERS
+    def refusal(self, address: str) -> str:
+        """Why there is no room for another viewer from there; empty when there is."""
+        if sum(viewer.address == address for viewer in self._all) >= OF_ADDRESS:
+            return f"{OF_ADDRESS} viewers have your address already"
+        return f"{MAX_VIEWERS} look on already" if len(self._all) >= MAX_VIEWERS else ""
 
     def add(self, viewer: Viewer) -> None:
         self._all[viewer] = None

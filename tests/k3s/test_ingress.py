@@ -85,6 +85,16 @@ def test_the_programs_believe_traefik_and_know_the_real_name(customize: Customiz
             assert container["name"] == "web" or settings.origins == ("https://arena.example",)
 
 
+def test_a_virtual_arena_believes_the_proxy_before_it(customize: Customize) -> None:
+    """Or all viewers would share the places of one address."""
+    for component in ("ingress", "front"):
+        manifests = customize("sim", component)
+        pod = manifests.one("Deployment", "arena")["spec"]["template"]["spec"]
+        kubelet, (container,) = Kubelet(manifests, pod, {}, {}), pod["containers"]
+        settings: Any = ProgramSettings(kubelet.command(container), kubelet.environment(container)).settings
+        assert is_proxy("10.42.3.4", settings.proxies)
+
+
 def test_all_but_traefiks_own_fits_the_schemas(manifests: Manifests) -> None:
     for item in manifests.objects:
         assert item["kind"] == "Namespace" or item["metadata"]["namespace"] == "laserbot"

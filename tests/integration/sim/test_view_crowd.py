@@ -9,15 +9,18 @@ import requests
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import InvalidStatus
 
+from laser_bot_battle.openings import OF_ADDRESS
+from laser_bot_battle.proxies import FORWARDED
 from sim.arena.viewers import CROWD, MAX_VIEWERS
 from tests.integration.sim.arena import HOST, Arena
 
 
 async def come(arena: Arena, count: int) -> list[ClientConnection]:
-    """So many viewers, in order, each of which has seen the arena."""
+    """So many viewers, in order, each of which has seen the arena; a proxy here says that they are from elsewhere."""
     viewers = []
-    for _ in range(count):
-        viewers.append(await connect(arena.view_url, compression=None, ping_interval=None))
+    for number in range(count):
+        who = {FORWARDED: f"10.0.{number // OF_ADDRESS}.1"}
+        viewers.append(await connect(arena.view_url, compression=None, ping_interval=None, additional_headers=who))
         await viewers[-1].recv()
     return viewers
 

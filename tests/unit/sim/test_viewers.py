@@ -3,6 +3,7 @@
 import asyncio
 from itertools import pairwise
 
+from laser_bot_battle.openings import OF_ADDRESS
 from sim.arena.viewers import CROWD, CROWD_RATE, MAX_VIEWERS, RATE, Clock, Viewer, Viewers
 
 
@@ -50,11 +51,22 @@ def test_other_words_change_nothing() -> None:
 
 def test_there_is_a_most() -> None:
     viewers, each = crowd(MAX_VIEWERS - 1)
-    assert not viewers.full
+    assert not viewers.refusal("10.0.0.1")
     viewers.add(Viewer())
-    assert viewers.full
+    assert viewers.refusal("10.0.0.1") == "512 look on already"
     viewers.remove(each[0])
-    assert not viewers.full
+    assert not viewers.refusal("10.0.0.1")
+
+
+def test_one_address_has_a_share() -> None:
+    viewers, each = Viewers(), [Viewer("10.0.0.1") for _ in range(OF_ADDRESS)]
+    for viewer in each:
+        assert not viewers.refusal("10.0.0.1")
+        viewers.add(viewer)
+    assert viewers.refusal("10.0.0.1") == "50 viewers have your address already"
+    assert not viewers.refusal("10.0.0.2")
+    viewers.remove(each[0])
+    assert not viewers.refusal("10.0.0.1")
 
 
 def test_the_thinned_get_their_states_evenly() -> None:
