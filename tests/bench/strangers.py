@@ -243,17 +243,17 @@ def feel(crowd: Crowd, seconds: float) -> tuple[Felt, dict[str, tuple[float, flo
         stack.callback(strangers.close)
         others = Remote(Others, web_port, front_port if crowd.by_front else web_port)
         stack.callback(others.close)
-        main = psutil.Process(loaded.master.pids["server.main"])
-        pages = dict(zip(["pages"], (child.pid for child in main.children()), strict=False))
+        (child,) = psutil.Process(loaded.master.pids["server.main"]).children()
+        more = {"pages": child.pid, "crowd": strangers.pid}
         strangers.call("come", crowd.addresses, crowd.connections)
         time.sleep(1)
         others.call("took")
-        before, began = {name: cpu_seconds(pid) for name, pid in pages.items()}, time.monotonic()
+        before, began = {name: cpu_seconds(pid) for name, pid in more.items()}, time.monotonic()
         row = measure(loaded, ROBOTS, seconds)
         passed = time.monotonic() - began
         costs = {
             name: ((cpu_seconds(pid) - before[name]) / passed, psutil.Process(pid).memory_info().rss / 2**20)
-            for name, pid in pages.items()
+            for name, pid in more.items()
         }
         costs |= {name: (each.cpu, each.memory / 2**20) for name, each in row.costs.items()}
         took = others.call("took")
@@ -285,7 +285,7 @@ def main() -> None:
         print(
             "    "
             + ", ".join(f"{name} {cpu:.2f} cores {size:.0f} MiB" for name, (cpu, size) in costs.items())
-            + f", crowd {felt.row.load:.2f}; lost {felt.row.figures.lost} of {felt.row.figures.sent}; "
+            + f"; lost {felt.row.figures.lost} of {felt.row.figures.sent}; "
             + ", ".join(f"{count} x {status}" for status, count in felt.answers.most_common()),
             flush=True,
         )

@@ -15,6 +15,8 @@ import pytest
 import requests
 from requests.adapters import HTTPAdapter
 
+from server.game.rules import Rules
+from tests.bench.strangers import ANSWER_WITHIN, ROBOTS, Crowd, feel
 from tests.integration.server.conftest import GameServer
 from tests.support.polling import LATEST, until
 
@@ -301,3 +303,13 @@ def test_a_request_that_is_not_complete_within_10_seconds_is_not_waited_for(serv
     assert closed_after is not None
     assert 9 < closed_after < 13
     assert silent.recv(1) == b""
+
+
+@pytest.mark.slow
+def test_a_greedy_crowd_ends_no_battle() -> None:
+    """How little it is felt is for tests/bench to say."""
+    felt, _ = feel(Crowd(8, 100), 10)
+    assert felt.seats == ROBOTS
+    assert felt.row.figures.lost == 0
+    assert max(felt.pings) < Rules().robot_timeout
+    assert max(felt.pages) < ANSWER_WITHIN
