@@ -35,7 +35,8 @@ def main() -> int:
     settings = read_or_exit(program, Settings.from_env, environment)
     configure_logging(settings.log_level)
     logging.getLogger("zeroconf").setLevel(logging.CRITICAL)  # it writes a traceback for anybody's broken packet
-    with contextlib.suppress(KeyboardInterrupt):  # before it handles signals itself
+    # Before it handles signals itself. asyncio cancels the announcer for SIGINT, and forgets why if it has just begun.
+    with contextlib.suppress(KeyboardInterrupt, asyncio.CancelledError):
         asyncio.run(Announcer(settings).run())
     return 0
 

@@ -131,8 +131,8 @@ def test_a_flood_of_log_lines_is_some_lines_and_one_about_the_others(start: Star
     rosout.wait_for("further log lines of the sketch were left out")
     node.wait_for("further log lines of the sketch were left out")
     node.wait_for("broken log message")
-    assert 0 < rosout.output.count("flood") < 200
-    assert 0 < node.output.count("flood") < 200
+    assert rosout.output.count("flood") < 200  # none, perhaps, if it took many words to be heard
+    assert node.output.count("flood") < 200
     assert node.output.count("broken log message") < 200
 
 
