@@ -661,8 +661,7 @@ def test_a_database_without_tracks_gets_them(opened, url, match):
     played(match)
     record(database, match)
     database.keep_piece(Piece(2, Floor(2.0, 1.0, ()), [match.now], {0: [None]}))
-    database.close()
-    assert len(rows(url, "tracks")) == 1
+    until(lambda: len(rows(url, "tracks")) == 1, 10)
 
 
 def indexes(file: Path) -> set[str]:
