@@ -207,6 +207,7 @@ def test_a_file_that_is_deleted_in_a_battle_is_told_and_loses_nothing(fight, tmp
         battle.hit()
         desk.say("battle", action="abort")
         battle.status.wait_for(lambda status: status["game"] == 0)
+        until(lambda: desk.get("state")["database"]["waiting"] == 0, 10, "the end is written")
     finally:
         desk.close()
     battle.restart()

@@ -11,6 +11,7 @@ from server.game.referee import Referee, Verdict
 from server.game.robot import HIT_INTERVAL
 from server.game.rules import Rules
 from server.game.snapshot import Placing, Player, Snapshot
+from server.store import database
 
 
 class Match:
@@ -96,6 +97,12 @@ class Match:
     @staticmethod
     def session(name: str) -> str:
         return f"session of {name}"
+
+
+@pytest.fixture(autouse=True)
+def time_to_write(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests look at what a closed database has got. A program that ends waits for a second, whatever is left."""
+    monkeypatch.setattr(database, "CLOSE_WITHIN", 10.0)
 
 
 @pytest.fixture
