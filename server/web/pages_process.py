@@ -6,6 +6,7 @@ game for the processor too, so a crowd of visitors costs a battle next to nothin
 
 import logging
 import socket
+import string
 import subprocess
 import sys
 import threading
@@ -129,7 +130,7 @@ class _Connection(HTTPConnection):
     def ask(self, environ: WSGIEnvironment) -> tuple[HTTPResponse, bytes]:
         """The answer, and its body."""
         path = quote(environ["PATH_INFO"].encode("latin-1"), safe="/:@!$&'()*+,;=~")
-        query = environ.get("QUERY_STRING", "")
+        query = quote(environ.get("QUERY_STRING", "").encode("latin-1"), safe=string.punctuation)
         self.putrequest(
             environ["REQUEST_METHOD"], f"{path}?{query}" if query else path, skip_host=True, skip_accept_encoding=True
         )

@@ -99,6 +99,7 @@ NONSENSE = [
     b"\x00\xff\xfe\r\n\r\n",
     b"POST /signUpUser HTTP/1.1\r\nHost: a\r\nContent-Type: multipart/form-data; boundary=\xff\r\n"
     b"Connection: close\r\nContent-Length: 3\r\n\r\nabc",
+    b"GET /none?\x7f HTTP/1.1\r\nHost: a\r\nX-Odd: \xff\r\nConnection: close\r\n\r\n",
     b"GET /%00%ff HTTP/1.1\r\nHost: a\r\nCookie: laserbot_session=\xff\x80\r\nConnection: close\r\n\r\n",
 ]
 
