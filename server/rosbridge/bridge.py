@@ -170,14 +170,26 @@ class Bridge:
 
     async def _read_outside(self, client: Client, effect: Unpack) -> None:
         types, now = self._graph.types(), self._clock.nanoseconds()
+        fields, reason = {}, ""
         try:
-            request = Request(await self._outside.do(unpacked, effect.text, effect.wrapper, types, now))
-            effects = client.handle(request, self._loop.time())
+            fields = await self._outside.do(unpacked, effect.text, effect.wrapper, types, now)
         except (RequestError, RuntimeError) as error:
-            effects = client.report("error", str(error), self._loop.time())
-        if client in self._connections:
-            self._perform(client, effects)
-            self._connections[client].release()
+            reason = str(error)
+        connection = self._connections.get(client)
+        if connection is None:  # what a client that has gone opened now, nobody would close
+            return
+        try:
+            self._perform(client, self._handle(client, fields, reason))
+        finally:
+            connection.release()
+
+    def _handle(self, client: Client, fields: dict[str, Any], reason: str) -> list[Effect]:
+        """The request with these fields, or why there is none."""
+        now = self._loop.time()
+        try:
+            return client.report("error", reason, now) if reason else client.handle(Request(fields), now)
+        except RequestError as error:
+            return client.report("error", str(error), now)
 
     def _log(self, client: Client | None, effect: Log) -> None:
         connection = self._connections.get(client) if client else None

@@ -105,6 +105,31 @@ def test_who_unsubscribes_while_a_large_message_is_encoded_does_not_get_it(monke
     assert asyncio.run(scenario()) == ["stays"]
 
 
+def test_what_a_client_that_has_gone_has_asked_at_length_opens_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def scenario() -> dict[str, str]:
+        bridge = Bridge(Node("rosbridge", "http://127.0.0.1:1"), Types(), Clock(), Gate(""), is_open=True)
+        before = bridge._graph.types()
+        read = asyncio.Event()
+
+        async def do(*_: object) -> dict[str, str]:
+            await read.wait()
+            return {"op": "advertise", "topic": "/game_status2", "type": "std_msgs/String"}
+
+        monkeypatch.setattr(bridge._outside, "do", do)
+        connection: Any = SimpleNamespace(address="here", move=lambda _: None, hold=lambda: None, release=lambda: None)
+        client = bridge.connected(connection, GUEST)
+        bridge.received(client, " " * 100_000)
+        bridge.disconnected(client)
+        read.set()
+        async with asyncio.timeout(10):
+            while bridge._tasks:
+                await asyncio.sleep(0.01)
+        assert not client._waiting
+        return {topic: kind for topic, kind in bridge._graph.types().items() if topic not in before}
+
+    assert asyncio.run(scenario()) == {}
+
+
 def large_map() -> bytes:
     data = io.BytesIO()
     OccupancyGrid(data=[0] * 100_000).serialize(data)
