@@ -28,7 +28,7 @@ from server.store import schema
 from server.store.database import Database, make_engine
 from tests.bench.bench_rosbridge import cpu_seconds
 from tests.bench.rosbridge_load import Remote
-from tests.bench.scale import FILES, Loaded, Row, loaded_master, measure
+from tests.bench.scale import FILES, SETTLE, Loaded, Row, loaded_master, measure
 from tests.support.bare import text_of
 from tests.support.light_robots import InLoop
 from tests.support.ports import free_port
@@ -246,7 +246,7 @@ def feel(crowd: Crowd, seconds: float) -> tuple[Felt, dict[str, tuple[float, flo
         (child,) = psutil.Process(loaded.master.pids["server.main"]).children()
         more = {"pages": child.pid, "crowd": strangers.pid}
         strangers.call("come", crowd.addresses, crowd.connections)
-        time.sleep(1)
+        time.sleep(SETTLE)
         others.call("took")
         before, began = {name: cpu_seconds(pid) for name, pid in more.items()}, time.monotonic()
         row = measure(loaded, ROBOTS, seconds)
