@@ -5,7 +5,8 @@
 The master is found first, as the settings or else the network say (docs/discovery.md). The Arduino is asked next, so
 that the server never offers players a robot that cannot move. Then the pings and the serial node Robot<ID> run until
 the serial node ends; when the server has forgotten the robot, or one of them has another address, both start again.
-Whatever fails is said in one line and tried again, for ever.
+Whatever fails is said in one line and tried again, for ever: at once, and more rarely only while it fails again and
+again. A serial node that ends is started again while the pings go on: the robot keeps its player.
 The status LED is lit from the start until the robot has an ID, blinks slowly while it works, and fast while it lacks
 its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 """
@@ -18,14 +19,17 @@ import signal
 import sys
 import time
 from collections.abc import Iterator
+from typing import NoReturn
 
 from robot.installed import missing_explained, require
 
 with missing_explained():
     from laser_bot_battle import alive, variables
     from laser_bot_battle.announcement import NoArenaError
+    from laser_bot_battle.backoff import STEADY, Backoff
     from laser_bot_battle.place import Place
     from laser_bot_battle.settings import describe
+    from robot.keeper import Heart, keep_going
     from robot.master_location import Lookout, MasterLocation, MovedError, ReaddressedError
     from robot.ping_thread import PingThread
     from robot.registration import RegistrationError, register
@@ -41,6 +45,7 @@ require(
 
 PROGRAM = "robot.id_service_client"
 POLL = 0.1  # s
+LOOK = 1.0  # s between two looks at addresses, and two signs of life
 LOST_AFTER = 2.0  # s without an answer to the pings; the master may be at another address then
 
 _log = logging.getLogger(__name__)
@@ -72,18 +77,12 @@ def main() -> int:
     # roslaunch adds ROS arguments such as __name:=...
     parser.parse_args([word for word in sys.argv[1:] if ":=" not in word])
     settings = Settings.load(PROGRAM)
+    heart = keep_going()
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell starts background programs with it ignored
     signal.signal(signal.SIGTERM, interrupt_once)
     try:
         with contextlib.closing(MasterLocation(settings)) as location, status_led(settings.led) as led, ending_once():
-            while True:
-                _log.info("Starting service client ...")
-                try:
-                    run_robot(settings, location, led)
-                except (ArduinoLostError, NoArenaError, PortError, RegistrationError) as error:
-                    led.state = State.FAILING
-                    _log.error("%s (again in %g s)", error, settings.retry)
-                location.rest(settings.retry)
+            Robot(settings, location, led, heart).run()
     except KeyboardInterrupt:
         _log.info("ending")
     return 0
@@ -106,81 +105,122 @@ def ending_once() -> Iterator[None]:
             signal.signal(number, signal.SIG_IGN)
 
 
-def run_robot(settings: Settings, location: MasterLocation, led: Indication) -> None:
-    """One life of the robot, from finding the master to losing the Arduino; always ends with an exception: why."""
-    place = location.locate()
-    device = find_arduino(settings.devices)
-    _log.info("asking the Arduino at %s", device)
-    probe(device)
-    key = secrets.token_urlsafe()  # by which the server tells this robot's pings from others'
-    robot_id, registered = register(place.ros_master_uri, settings.caller_id, key, wanted=lambda: True), True
-    while True:
-        with SerialNode(device, robot_id, place) as node, Lookout(place) as lookout:
+class Robot:
+    """Lives again and again, as often as it takes."""
+
+    def __init__(self, settings: Settings, location: MasterLocation, led: Indication, heart: Heart) -> None:
+        self._settings = settings
+        self._location = location
+        self._led = led
+        self._heart = heart
+        self._backoff = Backoff(settings.retry)
+
+    def run(self) -> NoReturn:
+        while True:
+            _log.info("Starting service client ...")
             try:
-                if not registered:
-                    last, robot_id = robot_id, register_again(node, place, key, lookout, settings)
-                    registered = True
-                    if robot_id != last:
-                        continue  # under its new name
-                _log.info("New robot ID = %d", robot_id)
-                location.join(place)
-                with PingThread(f"http://{place.host}:{place.web}/incAlive", robot_id, key) as pings:
-                    supervise(node, pings, lookout, led, time.monotonic() + settings.retry)
-                _log.warning("the server does not know robot %d: registering again", robot_id)
-            except MovedError as moved:
-                _log.warning("%s; it was at %s: registering again", moved, place.host)
-                place = moved.place
-            except ReaddressedError as error:
-                _log.warning("%s: registering again", error)
-            led.state = State.FAILING
-            # Restart the node: after an outage its subscriber may hold a connection whose other end was closed. Until
-            # it notices, rospy takes the next player's connection for that one.
-            registered = False
+                self._live()
+            except (ArduinoLostError, NoArenaError, PortError, RegistrationError) as error:
+                self._led.state = State.FAILING
+                pause = self._backoff.failed()
+                _log.error("%s (again in %g s)", error, pause)
+            self._location.rest(pause)
+
+    def _live(self) -> NoReturn:
+        """One life, from finding the master to losing the Arduino; always ends with an exception: why."""
+        place = self._location.locate()
+        device = find_arduino(self._settings.devices)
+        _log.info("asking the Arduino at %s", device)
+        probe(device)
+        key = secrets.token_urlsafe()  # by which the server tells this robot's pings from others'
+        robot_id = register(place.ros_master_uri, self._settings.caller_id, key, wanted=lambda: True)
+        registered = True
+        while True:
+            with SerialNode(device, robot_id, place) as node, Lookout(place) as lookout:
+                try:
+                    if not registered:
+                        last, robot_id = robot_id, self._register_again(node, place, key, lookout)
+                        registered = True
+                        if robot_id != last:
+                            continue  # under its new name
+                    _log.info("New robot ID = %d", robot_id)
+                    self._location.join(place)
+                    with PingThread(f"http://{place.host}:{place.web}/incAlive", robot_id, key) as pings:
+                        self._supervise(node, pings, lookout)
+                    _log.warning("the server does not know robot %d: registering again", robot_id)
+                except MovedError as moved:
+                    _log.warning("%s; it was at %s: registering again", moved, place.host)
+                    place = moved.place
+                except ReaddressedError as error:
+                    _log.warning("%s: registering again", error)
+                self._led.state = State.FAILING
+                # Restart the node: after an outage its subscriber may hold a connection whose other end was closed.
+                # Until it notices, rospy takes the next player's connection for that one.
+                registered = False
+
+    def _supervise(self, node: SerialNode, pings: PingThread, lookout: Lookout) -> None:
+        """Watch a working robot until the server has forgotten it; a server that does so at once is not asked in a
+        rush.
+
+        ArduinoLostError when the serial node ends soon after its start, or its device is gone, MovedError when the
+        server has gone to another address, ReaddressedError when this robot has.
+        """
+        look_at, not_before = 0.0, time.monotonic() + self._settings.retry
+        try:
+            while True:
+                now = time.monotonic()
+                self._led.state = State.WORKING if pings.welcome else State.FAILING
+                if node.exit_code is not None:
+                    start_again(node)
+                if pings.unknown.is_set() and now >= not_before:
+                    return
+                if now >= look_at:
+                    look_at = now + LOOK
+                    self._heart.rest()  # a name server may be out of reach
+                    lookout.watch(lost=pings.silence >= LOST_AFTER)
+                    self._heart.beat()
+                    if pings.welcome:
+                        alive.touch()
+                    if node.age >= STEADY:
+                        self._backoff.worked()
+                time.sleep(POLL)
+        finally:
+            self._heart.rest()
+
+    def _register_again(self, node: SerialNode, place: Place, key: str, lookout: Lookout) -> int:
+        """Ask until there is an ID, while the new serial node starts: so the robot moves soon after players may have
+        it.
+
+        ArduinoLostError when the serial node ends, MovedError when the server has gone to another address,
+        ReaddressedError when this robot has.
+        """
+        ask_at, failed, backoff = 0.0, False, Backoff(self._settings.retry)
+
+        def wanted() -> bool:
+            lookout.watch(lost=failed)
+            return node.exit_code is None
+
+        while wanted():
+            if time.monotonic() >= ask_at:
+                try:
+                    return register(place.ros_master_uri, self._settings.caller_id, key, wanted)
+                except RegistrationError as error:
+                    failed, pause = True, backoff.failed()
+                    if node.exit_code is None:
+                        _log.error("%s (again in %g s)", error, pause)
+                    ask_at = time.monotonic() + pause
+            time.sleep(POLL)
+        raise ArduinoLostError(lost(node))
 
 
-def supervise(node: SerialNode, pings: PingThread, lookout: Lookout, led: Indication, not_before: float) -> None:
-    """Watch a working robot until the server has forgotten it; a server that does so at once is not asked in a rush.
-
-    ArduinoLostError when the serial node ends, MovedError when the server has gone to another address, ReaddressedError
-    when this robot has.
-    """
-    touch_at = 0.0
-    while node.exit_code is None:
-        now = time.monotonic()
-        led.state = State.WORKING if pings.welcome else State.FAILING
-        if pings.welcome and now >= touch_at:
-            alive.touch()
-            touch_at = now + alive.PERIOD
-        if pings.unknown.is_set() and now >= not_before:
-            return
-        lookout.watch(lost=pings.silence >= LOST_AFTER)
-        time.sleep(POLL)
-    raise ArduinoLostError(lost(node))
-
-
-def register_again(node: SerialNode, place: Place, key: str, lookout: Lookout, settings: Settings) -> int:
-    """Ask until there is an ID, while the new serial node starts: so the robot moves soon after players may have it.
-
-    ArduinoLostError when the serial node ends, MovedError when the server has gone to another address, ReaddressedError
-    when this robot has.
-    """
-    ask_at, failed = 0.0, False
-
-    def wanted() -> bool:
-        lookout.watch(lost=failed)
-        return node.exit_code is None
-
-    while wanted():
-        if time.monotonic() >= ask_at:
-            try:
-                return register(place.ros_master_uri, settings.caller_id, key, wanted)
-            except RegistrationError as error:
-                failed = True
-                if node.exit_code is None:
-                    _log.error("%s (again in %g s)", error, settings.retry)
-                ask_at = time.monotonic() + settings.retry
-        time.sleep(POLL)
-    raise ArduinoLostError(lost(node))
+def start_again(node: SerialNode) -> None:
+    """ArduinoLostError when that is of no use."""
+    reason = lost(node)
+    if node.age < STEADY:
+        raise ArduinoLostError(reason)
+    find_arduino((node.device,))
+    _log.error("%s: starting it again", reason)
+    node.start_again()
 
 
 def lost(node: SerialNode) -> str:

@@ -4,6 +4,7 @@ which then ends it."""
 import os
 import subprocess
 import sys
+import time
 
 from laser_bot_battle.names import (
     command_topic,
@@ -22,24 +23,36 @@ class SerialNode:
     """`python3 -m robot.serial_node` as the ROS node Robot<ID>; a context manager that ends it."""
 
     def __init__(self, device: str, robot_id: int, place: Place) -> None:
-        self._process = subprocess.Popen(
-            [
-                sys.executable,
-                "-m",
-                "robot.serial_node",
-                device,
-                "--end-with-stdin",
-                f"__name:={robot_node(robot_id)}",
-                f"command:={command_topic(robot_id)}",
-                f"response:={response_topic(robot_id)}",
-                f"hit:={hit_topic(robot_id)}",
-                f"setup:={setup_topic(robot_id)}",
-                f"identify:={identify_topic(robot_id)}",
-            ],
-            env={**os.environ, **place.environment()},
-            stdin=subprocess.PIPE,
-            process_group=0,
-        )
+        self.device = device
+        self._words = [
+            sys.executable,
+            "-m",
+            "robot.serial_node",
+            device,
+            "--end-with-stdin",
+            f"__name:={robot_node(robot_id)}",
+            f"command:={command_topic(robot_id)}",
+            f"response:={response_topic(robot_id)}",
+            f"hit:={hit_topic(robot_id)}",
+            f"setup:={setup_topic(robot_id)}",
+            f"identify:={identify_topic(robot_id)}",
+        ]
+        self._environment = {**os.environ, **place.environment()}
+        self._start()
+
+    def _start(self) -> None:
+        self._started = time.monotonic()
+        self._process = subprocess.Popen(self._words, env=self._environment, stdin=subprocess.PIPE, process_group=0)
+
+    def start_again(self) -> None:
+        """It has ended."""
+        self._let_go()
+        self._start()
+
+    @property
+    def age(self) -> float:
+        """s since its last start."""
+        return time.monotonic() - self._started
 
     def __enter__(self) -> "SerialNode":
         return self
@@ -53,6 +66,9 @@ class SerialNode:
             except subprocess.TimeoutExpired:
                 self._process.kill()
                 self._process.wait()
+        self._let_go()
+
+    def _let_go(self) -> None:
         assert self._process.stdin
         self._process.stdin.close()
 

@@ -18,7 +18,7 @@ class Settings:
     arena: str  # the name of the one to join, "" for the only one
     devices: tuple[str, ...]  # where the Arduino may be, best first: paths or pyserial URLs
     caller_id: str  # the ROS name under which this robot asks for its ID
-    retry: float  # s between attempts
+    retry: float  # s between attempts, at most
     led: int | None  # GPIO of the status LED, None if the robot has none
     priority: int  # real-time, 0 for none
     camera: str  # "" if the robot has none

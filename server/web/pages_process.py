@@ -15,12 +15,13 @@ from http.client import HTTPConnection, HTTPException, HTTPResponse
 from urllib.parse import quote
 from wsgiref.types import StartResponse, WSGIEnvironment
 
+from laser_bot_battle.backoff import STEADY, Backoff
+
 _log = logging.getLogger(__name__)
 
 _ANSWER_WITHIN = 10.0  # s; a database that is away is known sooner
 _END_WITHIN = 1.0  # s
-_AGAIN_AFTER, _AT_MOST = 0.2, 5.0  # s until it is started again: twice as long each time that it ends at once
-_LIVED = 10.0  # s after which it has not ended at once
+_LONGEST_PAUSE = 5.0  # s until it is started again
 _WAITING = 128  # connections
 # each server's own; what a client expects before its body, it has had from ours
 _HOP_BY_HOP = {"connection", "keep-alive", "transfer-encoding", "date", "server", "via", "expect"}
@@ -41,20 +42,20 @@ class PagesProcess:
         self._process: subprocess.Popen[bytes] | None = None
         self._ending = threading.Event()
 
-    def run(self, lived: float = _LIVED) -> None:
+    def run(self) -> None:
         """Keep it running until `stop`. For a thread of its own."""
-        pause = _AGAIN_AFTER
+        backoff = Backoff(_LONGEST_PAUSE)
         while not self._ending.is_set():
             with self._lock:
                 if self._ending.is_set():
                     return
                 self._process = self._start()
             try:
-                code = self._process.wait(lived)
-                pause = min(2 * pause, _AT_MOST)
+                code = self._process.wait(STEADY)
             except subprocess.TimeoutExpired:
-                pause = _AGAIN_AFTER
+                backoff.worked()
                 code = self._process.wait()
+            pause = backoff.failed()
             if not self._ending.is_set():
                 _log.error("the process of the pages has ended with %d: it is started again in %.1f s", code, pause)
             self._ending.wait(pause)

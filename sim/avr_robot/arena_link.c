@@ -20,7 +20,7 @@ enum {
 	EDGE_LINE_BYTES = 32,
 	LINE_MAX_BYTES = 256,  /* the longest line that makes sense */
 	WHEELS_EVERY_MS = 10,
-	RECONNECT_AFTER_S = 1,
+	RECONNECT_AFTER_MS = 250,
 };
 
 struct robot_state {
@@ -252,10 +252,10 @@ static void *run(void *param)
 			report_light(link, (struct light_event){.kind = LIGHT_DARK});
 		} else if (!missing_told) {
 			missing_told = true;
-			fprintf(stderr, "avr_robot %s: no arena at %s:%s (%s); trying every second\n", link->robot,
+			fprintf(stderr, "avr_robot %s: no arena at %s:%s (%s); looking for it\n", link->robot,
 			        link->arena.host, link->arena.port, fault);
 		}
-		nanosleep(&(struct timespec){.tv_sec = RECONNECT_AFTER_S}, NULL);
+		nanosleep(&(struct timespec){.tv_nsec = RECONNECT_AFTER_MS * 1000000L}, NULL);
 	}
 	return NULL;
 }

@@ -3,7 +3,7 @@
  * sim/arena/protocol.py lists.
  *
  * A thread of its own does all that can wait (name lookup, connecting, a slow arena), so that the AVR never does. It
- * reconnects every second for ever; without an arena it is dark.
+ * reconnects for ever, four times a second; without an arena it is dark.
  */
 #ifndef AVR_ROBOT_ARENA_LINK_H
 #define AVR_ROBOT_ARENA_LINK_H

@@ -1,6 +1,6 @@
 // The view's WebSocket, opened again for ever.
 
-const RETRY = 1000; // ms
+const RETRY = 250; // ms
 const SILENCE = 3000; // ms without a state: a half-open connection
 
 export class Feed {

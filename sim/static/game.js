@@ -1,7 +1,7 @@
 // Who plays, for the arena's own page: from the game's rosbridge, where every guest may follow /game_status.
 
 const TOPIC = "/game_status";
-const RETRY = { first: 1000, most: 15_000 }; // ms; it doubles while nobody answers
+const RETRY = { first: 250, most: 15_000 }; // ms; it doubles while nobody answers
 const SILENCE = 4000; // ms; rosbridge sends the state twice a second
 const PHASES = ["stopped", "countdown", "playing"];
 

@@ -54,8 +54,10 @@ class LanRobot:
         return self.output.count("/Robot0/command")
 
     def memory(self) -> int:
-        """Its resident memory in MB. nsenter becomes the program itself."""
-        status = Path(f"/proc/{self.program.process.pid}/status").read_text()
+        """Its resident memory in MB. nsenter becomes the program itself, which keeps another going."""
+        keeper = self.program.process.pid
+        (worker,) = Path(f"/proc/{keeper}/task/{keeper}/children").read_text().split()
+        status = Path(f"/proc/{worker}/status").read_text()
         return int(status.partition("VmRSS:")[2].split()[0]) // 1024
 
 

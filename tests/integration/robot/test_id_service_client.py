@@ -1,6 +1,7 @@
 """The robot's main program between a device, a real ROS service and a real HTTP server."""
 
 import hashlib
+import itertools
 import os
 import signal
 import time
@@ -10,9 +11,11 @@ from pathlib import Path
 import psutil
 import pytest
 
+from laser_bot_battle.backoff import STEADY
 from tests.integration.robot.device import Device
 from tests.integration.robot.id_service import IdService
 from tests.integration.robot.web_server import WebServer
+from tests.support.battle import command_line, descendants
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import Program
@@ -28,16 +31,20 @@ def robot(settings: dict[str, str]) -> Iterator[Program]:
         program.stop()
 
 
-def children(program: Program, word: str) -> list[int]:
+def started(program: Program, word: str) -> list[int]:
     """Process IDs of running programs that `program` has started, by a word of their command line."""
-    pid = program.process.pid
-    found = psutil.process_iter(["ppid", "cmdline"])
-    return [one.pid for one in found if one.info["ppid"] == pid and word in " ".join(one.info["cmdline"] or [])]
+    return [one.pid for one in descendants(program.process.pid) if word in command_line(one)]
 
 
 def serial_node(program: Program, robot_id: int) -> int:
     """The process ID of the serial node, once there is one."""
-    return until(lambda: children(program, f"__name:=Robot{robot_id}"), 15)[0]
+    return until(lambda: started(program, f"__name:=Robot{robot_id}"), 15)[0]
+
+
+def worker(program: Program) -> int:
+    """The process that `program` keeps going."""
+    (pid,) = [one.pid for one in psutil.Process(program.process.pid).children()]
+    return int(pid)
 
 
 def has_ended(pid: int) -> bool:
@@ -130,12 +137,49 @@ def test_a_new_id_starts_the_serial_node_under_the_new_name(ids: IdService, web:
     robot.wait_for("New robot ID = 5")
     web.answer = '{"status": "OK"}'
     robot.wait_for("/Robot5/command")
-    assert children(robot, "__name:=Robot0") == []
+    assert started(robot, "__name:=Robot0") == []
     until(lambda: web.pings[-1][2].startswith("ID=5&"))
 
 
 @pytest.mark.slow
-def test_pings_stop_when_the_serial_node_ends_and_the_robot_comes_back(
+def test_a_serial_node_that_has_worked_is_started_again_while_the_pings_go_on(
+    ids: IdService, web: WebServer, robot: Program
+) -> None:
+    robot.wait_for("/Robot0/command")
+    node = serial_node(robot, 0)
+    steady = time.monotonic() + STEADY
+    until(lambda: time.monotonic() > steady, STEADY + 1, "it has not failed at its start")
+    os.kill(node, signal.SIGKILL)
+    killed = time.monotonic()
+    until(lambda: robot.output.count("/Robot0/command") == 2, 5)
+    assert serial_node(robot, 0) != node
+    assert len(ids.callers) == 1
+    moments = [moment for moment, _, _ in web.pings]
+    pauses = [later - earlier for earlier, later in itertools.pairwise(moments) if later > killed]
+    assert max(pauses) < 1.5, "silent for 2 s, a robot is out of its battle"
+
+
+def test_a_killed_worker_is_back_at_once(ids: IdService, web: WebServer, robot: Program) -> None:
+    robot.wait_for("/Robot0/command")
+    first = worker(robot)
+    os.kill(first, signal.SIGKILL)
+    robot.wait_for("the program was ended by signal 9: it is started again in 0.2 s")
+    until(lambda: robot.output.count("New robot ID = 0") == 2, 5)
+    assert worker(robot) != first
+    assert robot.running
+
+
+@pytest.mark.slow
+def test_a_worker_that_hangs_is_killed_and_back(ids: IdService, web: WebServer, robot: Program) -> None:
+    robot.wait_for("/Robot0/command")
+    until(lambda: len(web.pings) >= 3)
+    os.kill(worker(robot), signal.SIGSTOP)
+    robot.wait_for("the program hangs: no sign of life for 5 s", 8)
+    until(lambda: robot.output.count("New robot ID = 0") == 2, 5)
+
+
+@pytest.mark.slow
+def test_pings_stop_when_the_serial_node_ends_at_its_start_and_the_robot_comes_back(
     ids: IdService, web: WebServer, robot: Program
 ) -> None:
     robot.wait_for("/Robot0/command")

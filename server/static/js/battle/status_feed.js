@@ -12,7 +12,7 @@ const SUBSCRIPTION = {
   queue_length: 1,
 };
 const SILENCE = 4000; // ms; the state comes every 500 ms at least, so such a connection is half-open
-const RETRY = 1000; // ms to the second attempt; each later one takes twice as long
+const RETRY = 250; // ms to the second attempt; each later one takes twice as long
 const MOST_RETRY = 15_000; // ms
 const POLL = 2000; // ms between two questions by HTTP
 const LOST_AFTER = 2; // questions in a row without an answer

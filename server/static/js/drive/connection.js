@@ -3,7 +3,8 @@
 import { isNeutral } from "./keys.js";
 
 const STATE = "/game_status";
-const RETRY = 1000; // ms from a lost connection to the next attempt
+const RETRY = 250; // ms from a lost connection to the next attempt; each later one takes twice as long
+const MOST_RETRY = 1000; // ms
 const SILENCE = 4000; // ms; the state is published every 500 ms, so such a connection is half-open
 const BACKLOG = 1024; // bytes not yet on the wire: about five commands, 125 ms
 const PROBE = 2000; // ms between two measurements of the way to rosbridge and back
@@ -23,6 +24,7 @@ export class Connection {
   #mayPublish = false; // not before it is said whose commands they are
   #advertised = null; // the topic of this connection's commands
   #timer = null;
+  #attempts = 0; // since something was heard
   #prober = null;
   #probedAt = null; // ms, while an answer is awaited
   #stopped = true;
@@ -104,7 +106,8 @@ export class Connection {
     socket.addEventListener("close", () => {
       if (socket !== this.#socket) return;
       this.#drop();
-      this.#retryIn(RETRY);
+      this.#retryIn(Math.min(MOST_RETRY, RETRY * 2 ** this.#attempts));
+      this.#attempts += 1;
     });
     this.#retryIn(SILENCE); // for a network that does not even refuse
   }
@@ -136,6 +139,7 @@ export class Connection {
   #hear({ op, topic, level, id, msg }) {
     if (op === "publish" && topic === STATE) {
       this.#retryIn(SILENCE);
+      this.#attempts = 0;
       this.#onStatus(msg);
     } else if (op === "service_response" && id === PROBE_ID && this.#probedAt !== null) {
       this.#onRoundTrip(performance.now() - this.#probedAt);
