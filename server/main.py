@@ -47,6 +47,7 @@ from server.web.watch import create_watch
 _log = logging.getLogger(__name__)
 
 _CLOSE_WITHIN = 0.5  # s
+_SWITCH = 0.001  # s; a robot's ping waits for Python's lock at every step, behind strangers' requests
 _SERVER_STARTS = 5.0  # s that a database server may need longer than this program, after a power cut
 
 
@@ -57,6 +58,7 @@ def main() -> int:
     settings = read_or_exit("server.main", Settings.from_env, environment)
     configure_logging(settings.program.log_level)
     program = Program(SERVER_NODE, settings.program)
+    sys.setswitchinterval(_SWITCH)
     return program.run(lambda listener: _serve(program, settings, listener))
 
 

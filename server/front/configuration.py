@@ -8,9 +8,10 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from server.front.settings import FrontSettings
 
 HERE = Path(__file__).parent
-RATE = 50  # requests/s of one address; a page that loads asks for some 40 files, a page that plays for 2
+RATE, AT_ONCE = 50, 200  # requests/s of one address; a page that loads asks for some 40 files, a page that plays for 2
 # of one address at once; a hall's visitors may share one
 CONNECTIONS = 300
+WAITING = 400  # requests that are held back till their turn: all of those connections, for a refusal begets the next
 EVERY = "0.0.0.0"
 HTTP_PORT, HTTPS_PORT = 80, 443  # that addresses need not name
 USER = "nobody"  # of nginx's workers, where the program is root's
@@ -27,6 +28,8 @@ def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
         log_level="info" if settings.log_level == "debug" else "error",
         connections=CONNECTIONS,
         rate=RATE,
+        at_once=AT_ONCE,
+        waiting=WAITING,
         host=_here(settings),
         view_host=_bracketed(settings.view_host) if settings.view_host else _here(settings),
         ports={
