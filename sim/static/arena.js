@@ -109,9 +109,9 @@ function wake() {
   loop.wake();
 }
 
-function look(now, isFirst) {
+function look(now, isFirst, waited) {
   if (isFirst) governor.rest();
-  governor.picture(now);
+  governor.picture(now, waited);
 }
 
 /** A picture is due at `now` (ms). @returns {number|null} ms until the next, null before there is news */

@@ -13,9 +13,9 @@ export const LEVELS = [
 ];
 const REDUCED = 2; // the level of visitors who want few effects
 
-const SLOW = 20.5; // ms between two pictures, on average; a screen of 50 Hz is not slow
+const SLOW = 20.5; // ms that pictures are waited for, on average; a screen of 50 Hz is not slow
 const WINDOW = 1000; // ms that are judged together
-const PAUSE = 500; // ms without a picture: a hidden tab, not a slow one
+const PAUSE = 500; // ms that a picture is waited for: a hidden tab, not a slow one
 const PATIENCE = 10_000; // ms in time before one level up is tried
 const MOST_PATIENCE = 320_000; // it doubles with each try that was too much
 
@@ -23,7 +23,7 @@ export class Governor {
   #mode = "auto";
   #level = 0;
   #start = null; // of the window
-  #last = 0;
+  #waited = 0; // ms, for the pictures of the window
   #pictures = 0;
   #inTimeSince = null;
   #patience = PATIENCE;
@@ -49,25 +49,25 @@ export class Governor {
     this.#start = null;
   }
 
-  /** The screen is ready for a picture at `now` (ms). It is asked for each, drawn or not, as long as something moves. */
-  picture(now) {
-    if (this.#start === null || now - this.#last > PAUSE) {
+  /** The screen is ready at `now` (ms) for a picture, `waited` ms after it was asked for it. */
+  picture(now, waited) {
+    if (this.#start === null || waited > PAUSE) {
       this.#begin(now);
       this.#inTimeSince = now;
       return;
     }
-    this.#last = now;
+    this.#waited += waited;
     this.#pictures += 1;
     if (now - this.#start < WINDOW) return;
-    const mean = (now - this.#start) / this.#pictures;
+    const mean = this.#waited / this.#pictures;
     this.#begin(now);
     if (mean > SLOW) this.#lower(now);
     else if (this.#level > 0 && now - this.#inTimeSince >= this.#patience) this.#raise(now);
   }
 
   #begin(now) {
-    this.#start = this.#last = now;
-    this.#pictures = 0;
+    this.#start = now;
+    this.#waited = this.#pictures = 0;
   }
 
   #lower(now) {

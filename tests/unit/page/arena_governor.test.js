@@ -5,16 +5,19 @@ import { Governor, LEVELS } from "../../../sim/static/governor.js";
 const FAST = 16.7;
 const SLOW = 25;
 
-let governor, now;
+let governor, now, last;
 
 beforeEach(() => {
   governor = new Governor();
-  now = 0;
+  now = last = 0;
 });
 
 /** Draw for so many seconds, one picture every `interval` ms. */
 function draw(seconds, interval) {
-  for (const end = now + seconds * 1000; now < end; now += interval) governor.picture(now);
+  for (const end = now + seconds * 1000; now < end; now += interval) {
+    governor.picture(now, now - last);
+    last = now;
+  }
 }
 
 test("a machine that draws in time keeps all effects", () => {
@@ -47,6 +50,13 @@ test("a screen that was asked for nothing was not slow", () => {
     now += 400;
   }
   assert.equal(governor.level, 0);
+});
+
+test("pictures that are asked for seldom are judged by how long they are waited for", () => {
+  for (let n = 0; n < 100; n++) governor.picture((now += 200), 10);
+  assert.equal(governor.level, 0);
+  for (let n = 0; n < 20; n++) governor.picture((now += 200), 40);
+  assert.ok(governor.level > 0);
 });
 
 test("each level costs less than the one before", () => {

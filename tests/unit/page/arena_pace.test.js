@@ -35,17 +35,24 @@ test("what goes on is drawn so often as it is worth, what rests never", () => {
   assert.equal(isDue(MOTION, 1 / 60), true);
 });
 
-let loop, screen, now, drawn, looks, intervals;
+let loop, screen, timers, asked, now, drawn, looks, waits, intervals;
 
 beforeEach(() => {
-  [screen, drawn, looks, intervals, now] = [[], [], [], [], 0];
+  [screen, timers, drawn, looks, waits, intervals, now, asked] = [[], [], [], [], [], [], 0, 0];
   loop = new Loop({
-    look: (time, isFirst) => looks.push(isFirst),
+    look: (time, isFirst, waited) => {
+      looks.push(isFirst);
+      waits.push(waited);
+    },
     draw: (time) => {
       drawn.push(time);
       return intervals.shift() ?? null;
     },
-    nextPicture: (act) => screen.push(act),
+    nextPicture: (act) => {
+      asked += 1;
+      screen.push(act);
+    },
+    later: (act, ms) => timers.push({ at: now + ms, act }),
   });
 });
 
@@ -53,6 +60,9 @@ beforeEach(() => {
 function pass(pictures, rate = 60) {
   for (let n = 0; n < pictures; n++) {
     now += 1000 / rate;
+    const due = timers.filter(({ at }) => at <= now);
+    timers = timers.filter(({ at }) => at > now);
+    for (const { act } of due) act();
     for (const show of screen.splice(0)) show(now);
   }
 }
@@ -80,6 +90,24 @@ test("as many pictures are drawn as are wanted, whatever the screen's rate is", 
     intervals = [];
     pass(rate, rate);
   }
+});
+
+test("the screen is asked for hardly more pictures than are drawn", () => {
+  for (const wanted of [4, 15, 30]) {
+    [asked, drawn, intervals] = [0, [], Array(wanted * 10).fill(1000 / wanted)];
+    loop.wake();
+    pass(300);
+    assert.ok(asked <= drawn.length * 1.6, `${asked} for ${drawn.length}`);
+    intervals = [];
+    pass(60);
+  }
+});
+
+test("what a picture was waited for does not count the time for which none was wanted", () => {
+  intervals = Array(20).fill(250);
+  loop.wake();
+  pass(300);
+  assert.ok(Math.max(...waits) <= 1000 / 60 + 1, `${Math.max(...waits)} ms`);
 });
 
 test("a late picture is followed by one sooner, many that were lost are not made up for", () => {
