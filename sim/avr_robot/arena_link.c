@@ -252,8 +252,8 @@ static void *run(void *param)
 			report_light(link, (struct light_event){.kind = LIGHT_DARK});
 		} else if (!missing_told) {
 			missing_told = true;
-			fprintf(stderr, "avr_robot %s: no arena at %s:%s (%s); looking for it\n", link->robot,
-			        link->arena.host, link->arena.port, fault);
+			fprintf(stderr, "avr_robot %s: no arena at %s:%s (%s); looking for it\n", link->robot, link->arena.host,
+			        link->arena.port, fault);
 		}
 		nanosleep(&(struct timespec){.tv_nsec = RECONNECT_AFTER_MS * 1000000L}, NULL);
 	}

@@ -1,11 +1,12 @@
-"""The whole chain, measured: key to coil, light to life, stop times, stepper speed; 4 virtual robots, real Chromium.
-Key to coil once more in a second battle, whose programs take no real-time priority.
+"""The whole chain, measured: key to coil and light to life, hop by hop, stop times, stepper speed; 4 virtual robots,
+real Chromium. Key to coil once more in a second battle, whose programs take no real-time priority.
 
 Run by `make bench`. Robot 3 is started here, with a trace of its pins and a light switch in place of the arena; robots
 0 to 2 are a normal demo and are driven at 40 Hz all the while. Times are CLOCK_MONOTONIC of this machine throughout.
 """
 
 import contextlib
+import itertools
 import os
 import queue
 import signal
@@ -18,18 +19,19 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import psutil
 from playwright.sync_api import Browser, Page, sync_playwright
 
 from sim.arena.protocol import carrier
+from tests.bench.taps import Passed, Taps, first_after, first_change
 from tests.browser.conftest import CHROMIUM, FLAGS
-from tests.support.battle import Battle
+from tests.support.battle import Battle, command_line, descendants
 from tests.support.play import keep_turning
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.programs import ROOT, Program
 
 AVR_HZ = 16_000_000
+ROBOT = 3  # the one with a trace
 PRESSES = 200
 HITS = 50
 SHOTS_APART = 0.6  # s; a shooter can fire once in 0.5 s
@@ -38,11 +40,17 @@ DARKNESS = 4000  # us; a robot that sees a packet waits for news until it is cer
 CUTS = 10
 STILL = 0.15  # s without a step = standing
 
-# Runs in the page: wall-clock times (ms) of key presses, and of changes of what the list of players says of the driver.
+# Runs in the page: wall-clock times (ms) of key presses, of the commands that are sent, and of changes of what the list
+# of players says of the driver.
 STOPWATCH = """() => {
-  window.stopwatch = {keys: [], lives: []};
+  window.stopwatch = {keys: [], sent: [], lives: []};
   const clock = stamp => performance.timeOrigin + stamp;
   addEventListener('keydown', event => { if (!event.repeat) stopwatch.keys.push(clock(event.timeStamp)); }, true);
+  const send = WebSocket.prototype.send;
+  WebSocket.prototype.send = function (text) {
+    if (String(text).includes('/command')) stopwatch.sent.push(clock(performance.now()));
+    return send.call(this, text);
+  };
   let before = '';
   const look = () => {
     const users = [...document.getElementById('userList').children];
@@ -60,6 +68,7 @@ class TracedRobot:
     def __init__(self, battle: Battle, folder: Path, priority: str) -> None:
         self.steps: queue.SimpleQueue[tuple[float, int, str]] = queue.SimpleQueue()  # (s, AVR cycles, wheel)
         self.dark: queue.SimpleQueue[float] = queue.SimpleQueue()  # s, when light has ended
+        self.line: dict[str, list[Passed]] = {"uart-in": [], "uart-out": []}  # bytes to the AVR, from the AVR
         arena = socket.create_server(("127.0.0.1", 0))
         serial = folder / "ttyACM0"
         self.simulator = subprocess.Popen(
@@ -109,6 +118,8 @@ class TracedRobot:
                 self.steps.put((int(stamp) / 1e9, int(cycles), words[0]))
             elif event == "light" and words[0] == "0":
                 self.dark.put(int(stamp) / 1e9)
+            elif event in self.line:
+                self.line[event].append(Passed(int(stamp) / 1e9, words))
 
     def _drain_link(self) -> None:
         with contextlib.suppress(OSError):
@@ -148,7 +159,8 @@ class TracedRobot:
 
     def serial_node(self) -> int:
         """The process of robot 3's serial node."""
-        return int(psutil.Process(self.client.process.pid).children()[0].pid)
+        (node,) = [one for one in descendants(self.client.process.pid) if "robot.serial_node" in command_line(one)]
+        return int(node.pid)
 
     def stop(self) -> None:
         self.client.stop()
@@ -176,6 +188,24 @@ def report(what: str, seconds: list[float], budget: str) -> None:
     )
 
 
+class Hops:
+    """Where the time goes: from each point of the chain to the next one, whose name the hop has."""
+
+    def __init__(self, *names: str) -> None:
+        self._times: dict[str, list[float]] = {name: [] for name in names}
+
+    def add(self, *moments: float) -> None:
+        """s; the start, and then one for each name."""
+        for times, (earlier, later) in zip(self._times.values(), itertools.pairwise(moments), strict=True):
+            times.append(later - earlier)
+
+    def report(self) -> None:
+        for name, seconds in self._times.items():
+            ordered = sorted(1000 * value for value in seconds)
+            p99 = ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))]
+            print(f"    -> {name:<45}        p50 {statistics.median(ordered):6.1f} ms   p99 {p99:6.1f} ms", flush=True)
+
+
 def monotonic_of(wall_ms: float) -> float:
     """A page's wall-clock time (ms) on the monotonic clock (s) of this machine."""
     return wall_ms / 1000 - (time.time() - time.monotonic())
@@ -190,15 +220,20 @@ def log_in(browser: Browser, battle: Battle, name: str) -> Page:
     return page
 
 
-def key_to_coil(page: Page, robot: TracedRobot, priority: str) -> None:
-    latencies = []
+def key_to_coil(page: Page, robot: TracedRobot, taps: Taps, priority: str) -> None:
+    latencies, hops = [], Hops("page sends", "ROS topic", "serial line", "coil")
     for _ in range(PRESSES):
         robot.last_step()
         page.keyboard.down("ArrowUp")
         pressed = monotonic_of(page.evaluate("stopwatch.keys.at(-1)"))
-        latencies.append(robot.first_step_after(pressed) - pressed)
+        coil = robot.first_step_after(pressed)
+        latencies.append(coil - pressed)
+        sent = monotonic_of(page.evaluate("stopwatch.sent.find(at => at >= stopwatch.keys.at(-1))"))
+        line = first_after(robot.line["uart-in"], sent)
+        hops.add(pressed, sent, first_after(taps.commands, sent), line, coil)
         page.keyboard.up("ArrowUp")
     report(f"key press -> first coil change, {priority}", latencies, "p50 <= 5, p99 <= 20 ms")
+    hops.report()
 
 
 def release_to_still(page: Page, robot: TracedRobot) -> None:
@@ -212,9 +247,10 @@ def release_to_still(page: Page, robot: TracedRobot) -> None:
     report("key released -> wheels still", times, "350 ms")
 
 
-def light_to_life(page: Page, shooter: Player, robot: TracedRobot) -> None:
+def light_to_life(page: Page, shooter: Player, robot: TracedRobot, taps: Taps) -> None:
     """`page` is another player's: it shows the life of the one who is hit."""
-    latencies = []
+    latencies, hops = [], Hops("line", "hit's topic", "status' topic", "socket", "page")
+    to_socket = []
     time.sleep(SHOTS_APART)  # what is left of earlier measurements
     while not robot.dark.empty():
         robot.dark.get()
@@ -225,9 +261,16 @@ def light_to_life(page: Page, shooter: Player, robot: TracedRobot) -> None:
         robot.shine_packet(shooter.robot)
         ended = robot.packet_seen()
         until(lambda shown=shown: page.evaluate("stopwatch.lives.length") > shown, 5, "the page shows the hit")
-        latencies.append(monotonic_of(page.evaluate(f"stopwatch.lives[{shown}]")) - ended)
+        seen = monotonic_of(page.evaluate(f"stopwatch.lives[{shown}]"))
+        latencies.append(seen - ended)
+        told = first_change(taps.told, "Driver", ended)
+        to_socket.append(told - ended)
+        status = first_change(taps.lives, "Driver", ended)
+        hops.add(ended, first_after(robot.line["uart-out"], ended), first_after(taps.hits, ended), status, told, seen)
         time.sleep(max(0.0, next_shot - time.monotonic()))
-    report("end of a packet -> life on another player's page", latencies, "p99 <= 30 ms")
+    report("end of a packet -> status at a socket", to_socket, "p50 <= 8, p99 <= 20 ms")
+    report("end of a packet -> life on another player's page", latencies, "p50 <= 16, p99 <= 50 ms")
+    hops.report()
 
 
 def stepper_speed(page: Page, robot: TracedRobot) -> None:
@@ -283,6 +326,8 @@ def measure(battle: Battle, browser: Browser, folder: Path, priority: str) -> No
         robot = TracedRobot(battle, folder, priority)
         stack.callback(robot.stop)
         until(lambda: others[0].post("getAvailableRobots")["availableR"] == 1, 20, "robot 3 is registered")
+        taps = Taps(battle, ROBOT)
+        stack.callback(taps.close)
         driver = log_in(browser, battle, "Driver")
         # a fifth page needs a robot to log in: the watcher takes over one of the others
         others.pop().__exit__()
@@ -295,12 +340,12 @@ def measure(battle: Battle, browser: Browser, folder: Path, priority: str) -> No
         until(lambda: "PLAY!" in driver.locator("#game-status").inner_text(), 15, "the battle begins")
         driver.bring_to_front()
         with keep_turning(*others):  # they drive in circles
-            key_to_coil(driver, robot, priority_of(robot))
+            key_to_coil(driver, robot, taps, priority_of(robot))
             if priority != "0":
-                all_else(battle, driver, watcher, others[0], robot)
+                all_else(battle, driver, watcher, others[0], robot, taps)
 
 
-def all_else(battle: Battle, driver: Page, watcher: Page, shooter: Player, robot: TracedRobot) -> None:
+def all_else(battle: Battle, driver: Page, watcher: Page, shooter: Player, robot: TracedRobot, taps: Taps) -> None:
     release_to_still(driver, robot)
     stepper_speed(driver, robot)
     rosbridge = battle.pid(r"python3 -m server\.rosbridge")
@@ -315,7 +360,7 @@ def all_else(battle: Battle, driver: Page, watcher: Page, shooter: Player, robot
             lambda pid=pid: os.kill(pid, signal.SIGSTOP),
             lambda pid=pid: os.kill(pid, signal.SIGCONT),
         )
-    light_to_life(watcher, shooter, robot)
+    light_to_life(watcher, shooter, robot, taps)
 
 
 def main() -> None:

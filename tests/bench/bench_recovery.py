@@ -95,7 +95,7 @@ class Driver:
 
 
 def main() -> None:
-    with Battle(robots=3, **RULES) as battle, contextlib.ExitStack() as stack:
+    with Battle(3, 0, **RULES) as battle, contextlib.ExitStack() as stack:
         players = [stack.enter_context(Player(battle, name)) for name in ("Ann", "Bob", "Cy")]
         for player in players:
             player.ready()

@@ -24,7 +24,7 @@ def _seconds() -> defaultdict[str, float]:
     seconds: defaultdict[str, float] = defaultdict(float)
     for process in descendants(os.getpid()):
         line = command_line(process)
-        if not re.search(r"/chromium( |$)", line):
+        if not re.search(r"/chromium(-headless-shell)?( |$)", line):
             continue
         kind = re.search(r"--type=([\w-]+)", line)
         try:

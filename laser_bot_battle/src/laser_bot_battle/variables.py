@@ -272,7 +272,13 @@ SERIAL: Variable[tuple[str, ...]] = Variable(
     "`/dev/laserbot /dev/ttyACM0 /dev/ttyUSB0`",
 )
 ROBOT_NAME = words("LASERBOT_ROBOT_NAME", "", "name by which the server knows a robot", "host name and MAC address")
-RETRY = number("LASERBOT_RETRY", 5, 0.1, 3600, "longest pause between a robot's attempts to find its Arduino and the master, in seconds; the first ones come at once")
+RETRY = number(
+    "LASERBOT_RETRY",
+    5,
+    0.1,
+    3600,
+    "longest pause between a robot's attempts to find its Arduino and the master, in seconds; the first ones come at once",
+)
 IMAGES = words("LASERBOT_IMAGES", "", "what compose puts before the images' names: `registry:port/`")
 VERSION = words("LASERBOT_VERSION", "", "the images' tag for compose", "this version")
 LED: Variable[int | None] = Variable(
