@@ -5,6 +5,7 @@ again as the page does. Measured is the time from the fault until the robot turn
 """
 
 import contextlib
+import itertools
 import math
 import os
 import signal
@@ -87,7 +88,7 @@ class Driver:
             time.sleep(0.2)
             now = time.monotonic()
             moments = [fault, *[moment for moment in self.turned_at if moment > fault], now]
-            gaps = [(later - earlier, later) for earlier, later in zip(moments, moments[1:], strict=False)]
+            gaps = [(later - earlier, later) for earlier, later in itertools.pairwise(moments)]
             end = max((later for gap, later in gaps if gap > GAP), default=fault)
             if now - end >= STEADY + (SHOWN if end == fault else 0.0):
                 return end - fault
