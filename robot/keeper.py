@@ -49,8 +49,8 @@ class Heart:
 
 
 def keep_going() -> Heart:
-    """Go on in a new process. The one that calls keeps that one going, passes SIGINT and SIGTERM on to it, and ends with
-    its exit code. Call it before any thread is started."""
+    """Go on in a new process. The one that calls keeps that one going, passes SIGINT and SIGTERM on to it, and ends
+    with its exit code. Call it before any thread is started."""
     return _Keeper().keep()
 
 

@@ -342,10 +342,11 @@ def measure(battle: Battle, browser: Browser, folder: Path, priority: str) -> No
         with keep_turning(*others):  # they drive in circles
             key_to_coil(driver, robot, taps, priority_of(robot))
             if priority != "0":
-                all_else(battle, driver, watcher, others[0], robot, taps)
+                all_else(battle, driver, robot)
+                light_to_life(watcher, others[0], robot, taps)
 
 
-def all_else(battle: Battle, driver: Page, watcher: Page, shooter: Player, robot: TracedRobot, taps: Taps) -> None:
+def all_else(battle: Battle, driver: Page, robot: TracedRobot) -> None:
     release_to_still(driver, robot)
     stepper_speed(driver, robot)
     rosbridge = battle.pid(r"python3 -m server\.rosbridge")
@@ -360,7 +361,6 @@ def all_else(battle: Battle, driver: Page, watcher: Page, shooter: Player, robot
             lambda pid=pid: os.kill(pid, signal.SIGSTOP),
             lambda pid=pid: os.kill(pid, signal.SIGCONT),
         )
-    light_to_life(watcher, shooter, robot, taps)
 
 
 def main() -> None:

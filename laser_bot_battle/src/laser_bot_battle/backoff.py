@@ -1,4 +1,4 @@
-"""How long to wait before the next attempt: next to nothing at first, and longer only while it fails again and again."""
+"""How long to wait before the next attempt: next to nothing at first, longer only while it fails again and again."""
 
 FIRST = 0.2  # s
 STEADY = 10.0  # s; what has worked for so long has not failed at its start

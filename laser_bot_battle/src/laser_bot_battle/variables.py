@@ -277,7 +277,7 @@ RETRY = number(
     5,
     0.1,
     3600,
-    "longest pause between a robot's attempts to find its Arduino and the master, in seconds; the first ones come at once",
+    "longest pause, in seconds, between a robot's attempts to find its Arduino and the master; it begins at 0.2",
 )
 IMAGES = words("LASERBOT_IMAGES", "", "what compose puts before the images' names: `registry:port/`")
 VERSION = words("LASERBOT_VERSION", "", "the images' tag for compose", "this version")
