@@ -8,7 +8,7 @@ import asyncio
 import struct
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from queue import Empty, SimpleQueue
 
 from laser_bot_battle.master import MasterError
@@ -73,12 +73,16 @@ async def _ask(master_uri: str, caller_id: str, key: str) -> int:
     server = ServiceCaller(caller_id, master)
     await _wait_for(server)
     header = {KEY_FIELD: key_digest(key)}
-    response, _ = await server.call(ADD_NEW_ROBOT, lambda _: b"", ANSWER_TIMEOUT, ADD_NEW_ROBOT_MD5, header)
+    response, _ = await server.call(ADD_NEW_ROBOT, _empty, ANSWER_TIMEOUT, ADD_NEW_ROBOT_MD5, header)
     try:
         (robot_id,) = _RESPONSE.unpack(response)
     except struct.error:
         raise ServiceError(f"a response of {len(response)} bytes") from None
     return int(robot_id)
+
+
+async def _empty(_header: Mapping[str, str]) -> bytes:
+    return b""
 
 
 async def _wait_for(server: ServiceCaller) -> None:

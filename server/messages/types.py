@@ -164,6 +164,10 @@ def known_type(name: str) -> MessageType:
     return _types().message(name)
 
 
+def known_service(name: str) -> ServiceType:
+    return _types().service(name)
+
+
 def find_class(folder: str, name: str) -> type[Any]:
     """The class that genpy has generated for a type name; `folder`: msg or srv. ConversionError for a malformed or
     unknown name, or when the class cannot be loaded.

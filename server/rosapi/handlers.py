@@ -12,7 +12,7 @@ NODE = "/rosapi"
 
 Values = dict[str, Any]  # of a request or response, by field
 # May raise RequestError, MasterError, or OSError when the master does not answer: the caller is told.
-Handler = Callable[[Values], Coroutine[Any, Any, Values]]
+Handler = Callable[[Values], Coroutine[Any, Any, Values | bytes]]  # bytes: the response as ROS gets it
 
 NOT_IN_XML = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 

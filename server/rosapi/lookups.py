@@ -3,9 +3,12 @@
 import asyncio
 from typing import Any
 
+import genpy
+
 from laser_bot_battle.master import MasterError
 from server.access.globs import Globs
-from server.messages.types import Types
+from server.messages.outside import Outside
+from server.messages.types import known_service, known_type
 from server.rosapi.handlers import Handler, Values, global_name
 from server.rosapi.system_state import SystemState, action_servers, shown, used_by
 from server.websocket.requests import RequestError
@@ -20,10 +23,10 @@ PATIENCE = 2.0  # s, with one service
 class Lookups:
     """Names that nobody uses, or that the globs hide, have no type and no nodes: an empty string or list."""
 
-    def __init__(self, node: Node, types: Types, globs: Globs) -> None:
+    def __init__(self, node: Node, globs: Globs, outside: Outside) -> None:
         self._node = node
-        self._types = types
         self._globs = globs
+        self._outside = outside
 
     def handlers(self) -> dict[str, tuple[str, Handler]]:
         return {
@@ -52,13 +55,8 @@ class Lookups:
         topics = await self._topic_types()
         return {"topics": [topic for topic, kind in topics.items() if kind == request["type"]]}
 
-    async def topics_and_raw_types(self, _: Values) -> Values:
-        topics = await self._topic_types()
-        return {
-            "topics": list(topics),
-            "types": list(topics.values()),
-            "typedefs_full_text": [self._full_text(kind) for kind in topics.values()],
-        }
+    async def topics_and_raw_types(self, _: Values) -> bytes:
+        return await self._outside.make(topics_and_raw_types, await self._topic_types())
 
     async def topic_type(self, request: Values) -> Values:
         return {"type": (await self._topic_types()).get(global_name(request["topic"]), "")}
@@ -149,8 +147,21 @@ class Lookups:
         except ServiceError:
             return ""
 
-    def _full_text(self, name: str) -> str:
-        try:
-            return self._types.message(name).definition
-        except RequestError as error:
-            return f"# failed to get full definition text for {name}: {error}"
+
+def topics_and_raw_types(topics: dict[str, str]) -> bytes:
+    """The serialized response. Large systems have thousands of definitions, each to be loaded and packed."""
+    response = known_service("rosapi/TopicsAndRawTypes").response
+    texts = {name: _full_text(name) for name in set(topics.values())}
+    values = {
+        "topics": list(topics),
+        "types": list(topics.values()),
+        "typedefs_full_text": [texts[name] for name in topics.values()],
+    }
+    return response.pack(values, genpy.Time)
+
+
+def _full_text(name: str) -> str:
+    try:
+        return known_type(name).definition
+    except RequestError as error:
+        return f"# failed to get full definition text for {name}: {error}"

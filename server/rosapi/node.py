@@ -5,6 +5,7 @@ from typing import Any
 
 from laser_bot_battle.master import MasterError
 from server.access.globs import Globs
+from server.messages.outside import Outside
 from server.messages.types import ServiceType, Types
 from server.rosapi.details import Details
 from server.rosapi.handlers import NODE, Handler
@@ -16,9 +17,10 @@ from tcpros.node import Node
 from tcpros.specs import ServiceFailure, ServiceSpec
 
 
-async def start_rosapi(node: Node, types: Types, clock: Clock, globs: Globs) -> None:
-    """Serve all on `node`, which is started, until it is closed. ConversionError when its types have not been made."""
-    for part in (Lookups(node, types, globs), Details(types, clock), Params(node, globs)):
+async def start_rosapi(node: Node, types: Types, clock: Clock, globs: Globs, outside: Outside) -> None:
+    """Serve all on `node`, which is started, until it is closed; what takes long is done `outside`. ConversionError
+    when its types have not been made."""
+    for part in (Lookups(node, globs, outside), Details(types, clock), Params(node, globs)):
         for name, (type_name, handler) in part.handlers().items():
             service = types.service(f"rosapi/{type_name}")
             node.serve(f"{NODE}/{name}", ServiceSpec(service.name, service.md5sum), serialized(service, handler, clock))
@@ -29,8 +31,9 @@ def serialized(service: ServiceType, handler: Handler, clock: Clock) -> Callable
 
     async def answer(request: bytes) -> bytes:
         try:
-            return service.response.pack(await handler(service.request.values(request)), clock.now)
-        except (RequestError, MasterError) as error:
+            response = await handler(service.request.values(request))
+            return service.response.pack(response, clock.now) if isinstance(response, dict) else response
+        except (RequestError, RuntimeError, MasterError) as error:
             raise ServiceFailure(str(error)) from None
         except OSError as error:
             raise ServiceFailure(f"the ROS master does not answer: {error}") from None

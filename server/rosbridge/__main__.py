@@ -45,8 +45,8 @@ async def _talk(program: Program, settings: Settings, listener: socket.socket) -
     types = Types()
     async with ros_node(program, ROSBRIDGE_NODE) as own_node, ros_node(program, ROSAPI_NODE) as rosapi_node:
         clock = await clock_of(own_node)
-        await start_rosapi(rosapi_node, types, clock, settings.globs)
         bridge = Bridge(own_node, types, clock, Gate(settings.operator_token, settings.globs), settings.is_open)
+        await start_rosapi(rosapi_node, types, clock, settings.globs, bridge.outside)
         pages = OwnPages(settings.web_port, settings.origins, own_names())
         async with WebSocketServer(bridge, listener, pages.identity_of, proxies=settings.proxies):
             _log.info("listening on %s port %d", settings.program.bind, settings.program.port)

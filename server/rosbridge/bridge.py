@@ -15,12 +15,14 @@ from prometheus_client.core import Metric
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.names import GAME_STATUS, SHOTS
 from server.access.identity import OPERATOR, Identity
+from server.messages.outside import Outside
 from server.messages.types import ConversionError, MessageType, Types
 from server.rosbridge.context import OWN_TYPES
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
 from server.rosbridge.effects import (
     Answer,
+    Ask,
     CallService,
     ClosePublisher,
     CloseService,
@@ -43,8 +45,7 @@ from server.rosbridge.graph import Graph
 from server.rosbridge.large_requests import unpacked
 from server.rosbridge.metrics import Delays, metrics, missing
 from server.rosbridge.offered_services import OfferedServices
-from server.rosbridge.outgoing import replied, replied_frames, takes_long
-from server.rosbridge.outside import Outside
+from server.rosbridge.outgoing import asked_frames, replied, replied_frames, takes_long
 from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
 from server.rosbridge.shots import SHOT_TYPE
@@ -82,11 +83,11 @@ class Bridge:
         self._tasks: set[asyncio.Task[None]] = set()
         self._calls: dict[asyncio.Task[None], Client | None] = {}  # of services, by whom
         self._offered = OfferedServices(self._perform)
-        self._outside = Outside()
+        self.outside = Outside()
         # messages, each for some subscriptions, of topics of which a large one is being encoded
         self._lines: dict[str, deque[tuple[Delivery, list[Subscription]]]] = {}
         self._latest: Delivery | None = None  # large one: who comes soon after it gets what has been encoded
-        self._ros = ros = Ros(node, types, clock, self._deliver)
+        self._ros = ros = Ros(node, types, clock, self.outside, self._deliver)
         self._performers: dict[type, Callable[[Client | None, Any], object]] = {
             Publish: lambda _, effect: ros.publish(*effect),
             Send: self._send,
@@ -102,6 +103,7 @@ class Bridge:
             CallService: self._start_call,
             OpenService: self._open_service,
             CloseService: self._close_service,
+            Ask: lambda client, effect: self._start(self._ask(client, effect)),
             Answer: lambda _, effect: self._offered.answer(effect),
         }
         self._status_type = types.message(STATUS_TYPE)
@@ -143,7 +145,7 @@ class Bridge:
         self._perform(None, self._drivers.stop_all())
         for task in self._tasks:
             task.cancel()
-        self._outside.close()
+        self.outside.close()
 
     def metrics(self) -> Iterable[Metric]:
         """For those who watch rosbridge."""
@@ -169,10 +171,10 @@ class Bridge:
             self._start(self._read_outside(client, effect))
 
     async def _read_outside(self, client: Client, effect: Unpack) -> None:
-        types, now = self._graph.types(), self._clock.nanoseconds()
+        types, responses, now = self._graph.types(), client.owed(), self._clock.nanoseconds()
         fields, reason = {}, ""
         try:
-            fields = await self._outside.do(unpacked, effect.text, effect.wrapper, types, now)
+            fields = await self.outside.do(unpacked, effect.text, effect.wrapper, types, responses, now)
         except (RequestError, RuntimeError) as error:
             reason = str(error)
         connection = self._connections.get(client)
@@ -234,12 +236,20 @@ class Bridge:
         """What the client gets."""
         if takes_long(*response, call.reply.compression):
             data = PickleBuffer(response.data)  # which is not copied
-            return [Framed(await self._outside.make(replied_frames, call.reply, response.type, data))]
+            return [Framed(await self.outside.make(replied_frames, call.reply, response.type, data))]
         return replied(call.reply, response)
 
     def _open_service(self, client: Client | None, effect: OpenService) -> None:
         assert client is not None
         self._ros.open_service(effect.service, effect.type, partial(self._offered.ask, client, effect.service))
+
+    async def _ask(self, client: Client | None, effect: Ask) -> None:
+        try:
+            frames = await self.outside.make(asked_frames, effect.operation, effect.type, PickleBuffer(effect.data))
+        except (ConversionError, RuntimeError) as error:
+            self._offered.answer(Answer(effect.call, None, str(error)))
+        else:
+            self._send(client, Send(Framed(frames)))
 
     def _close_service(self, _: Client | None, effect: CloseService) -> None:
         self._ros.close_service(effect.service)
@@ -325,7 +335,7 @@ class Bridge:
             try:
                 while long := {each.form for each in subscriptions if message.takes_long(each.form)}:
                     for form in long:
-                        message.take(form, await self._outside.make(Delivery.frames, message, form))
+                        message.take(form, await self.outside.make(Delivery.frames, message, form))
                     self._latest = message
             except (ConversionError, RuntimeError) as error:
                 _log.warning("a message of %s cannot be sent: %s", topic, error)

@@ -1,6 +1,6 @@
 """What a client's operations ask for: plain values that the bridge carries out, in order."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from server.messages.types import MessageType, ServiceType
@@ -89,8 +89,8 @@ class Response(NamedTuple):
 
 
 class CallService(NamedTuple):
-    """Call the ROS service with `args` (JSON object or list), make of its response what the client gets, and tell
-    `done` that, or why there is nothing."""
+    """Call the ROS service with `args` (JSON object or list, or Kept), make of its response what the client gets, and
+    tell `done` that, or why there is nothing."""
 
     service: str
     args: Any
@@ -120,6 +120,16 @@ class CloseService(NamedTuple):
     service: str
 
 
+class Ask(NamedTuple):
+    """ROS calls a service that the client offers, with a request that takes long to read: send the client `operation`
+    with that in it, or answer the call with the reason why not."""
+
+    call: int
+    operation: Mapping[str, object]  # all of it but the args
+    type: MessageType
+    data: bytes
+
+
 class Answer(NamedTuple):
     """The client answers the call `call` of a service that it offers: the serialized response, or None for a failure
     and its reason."""
@@ -144,5 +154,6 @@ Effect = (
     | CallService
     | OpenService
     | CloseService
+    | Ask
     | Answer
 )

@@ -1,12 +1,13 @@
 """Requests that take long to read become short ones outside the event loop: a message is there as ROS gets it."""
 
+import pickle
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import genpy
 
 from server.messages.fitting import Now
-from server.messages.types import ConversionError, MessageType, known_type
+from server.messages.types import ConversionError, MessageType, known_service, known_type
 from server.rosbridge.compression import from_png
 from server.websocket.requests import Request, RequestError, parse
 
@@ -21,20 +22,45 @@ class Packed(NamedTuple):
     data: bytes
     error: str = ""
 
+    def __str__(self) -> str:
+        return self.error or f"a {self.type}"
 
-def unpacked(text: str, wrapper: str, types: Mapping[str, str], now: int) -> dict[str, Any]:
-    """The fields of the request in `text`, in which the message of a publish is Packed if its type is known. `types`:
-    those of the topics in use, by name; `now`: ROS's time, ns. RequestError when there is no request."""
+
+class Kept(NamedTuple):
+    """The arguments of a call, whose type only the service itself will tell: for `packed_request`."""
+
+    data: bytes
+
+
+def unpacked(
+    text: str, wrapper: str, types: Mapping[str, str], responses: Mapping[str, str], now: int
+) -> dict[str, Any]:
+    """The fields of the request in `text`, in which the message of a publish and the values of a response are Packed
+    if their type is known, and the arguments of a call Kept.
+
+    `types`: those of the topics in use, by name; `responses`: those that the client owes, by the calls' ids; `now`:
+    ROS's time, ns. RequestError when there is no request.
+    """
     fields = parse(text)
     if fields.get("op") == "png" and wrapper != "png":
         fields, wrapper = parse(from_png(Request(fields).text("data"))), "png"
     refuse_nested(fields, wrapper)
-    if fields.get("op") == "publish":
-        request = Request(fields)
-        name = types.get(request.ros_name("topic")) or request.optional_text("type", "")
-        if name:
-            fields["msg"] = _packed(name, fields.get("msg", {}), now)
+    request = Request(fields)
+    match fields.get("op"):
+        case "publish":
+            name = types.get(request.ros_name("topic")) or request.optional_text("type", "")
+            if name:
+                fields["msg"] = _packed(name, fields.get("msg", {}), now)
+        case "service_response" if type(fields.get("values")) is dict and request.id in responses:
+            fields["values"] = _packed(responses[request.id], fields["values"], now)  # type: ignore[index]
+        case "call_service" if type(fields.get("args")) in {dict, list}:
+            fields["args"] = Kept(pickle.dumps(fields["args"]))
     return fields
+
+
+def packed_request(service: str, args: bytes, now: int) -> bytes:
+    """A request of that type, with arguments that were Kept. ConversionError when they do not fit."""
+    return known_service(service).pack_request(pickle.loads(args), lambda: genpy.Time(0, now))
 
 
 def refuse_nested(fields: Mapping[str, Any], wrapper: str) -> None:

@@ -2,6 +2,7 @@
 
 import itertools
 import os
+from collections.abc import Mapping
 from typing import Any
 
 from server.messages.types import MessageType
@@ -39,6 +40,11 @@ def replied(reply: Reply, response: Response) -> list[str | bytes]:
 def replied_frames(reply: Reply, message_type: MessageType, data: bytes) -> bytes:
     """The same as it goes to the socket."""
     return b"".join(map(frame, replied(reply, Response(message_type, data))))
+
+
+def asked_frames(operation: Mapping[str, object], message_type: MessageType, data: bytes) -> bytes:
+    """A call_service with that request, as it goes to the socket. ConversionError when it is not what its type says."""
+    return frame(f'{dumps(operation)[:-1]},"args":{message_type.json(data)}}}')
 
 
 def takes_long(message_type: MessageType, data: bytes, compression: str) -> bool:

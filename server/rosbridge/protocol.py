@@ -39,6 +39,10 @@ class Client(Context):
             return self.report("error", str(error), now)
         return self.handle(request, now)
 
+    def owed(self) -> dict[str, str]:
+        """The types of the responses that the client is to give, by the id of the call."""
+        return self._offers.owed()
+
     def asked(self, call: int, service: str, request: bytes, now: float) -> list[Effect]:
         """ROS calls a service that the client offers; the answer is the effect Answer with the same `call`."""
         return self._offers.asked(call, service, request, now)

@@ -6,11 +6,14 @@ import logging
 import struct
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
+from pickle import PickleBuffer
 
 from laser_bot_battle.master import MasterError
+from server.messages.outside import Outside
 from server.messages.types import MessageType, ServiceType, Types
 from server.rosbridge.drivers import COMMAND_TOPICS
 from server.rosbridge.effects import CallService, Response
+from server.rosbridge.large_requests import Kept, packed_request
 from server.websocket.requests import RequestError
 from tcpros.clock import Clock
 from tcpros.node import Node
@@ -77,8 +80,8 @@ class TopicPublisher:
 class Ros:
     """All that rosbridge has open. For the event loop's thread; nothing blocks."""
 
-    def __init__(self, node: Node, types: Types, clock: Clock, deliver: Deliver) -> None:
-        self._node, self._types, self._clock, self._deliver = node, types, clock, deliver
+    def __init__(self, node: Node, types: Types, clock: Clock, outside: Outside, deliver: Deliver) -> None:
+        self._node, self._types, self._clock, self._outside, self._deliver = node, types, clock, outside, deliver
         self._loop = asyncio.get_running_loop()
         self._publishers: dict[str, TopicPublisher] = {}
         self._subscribers: dict[str, TopicSubscriber] = {}
@@ -143,16 +146,19 @@ class Ros:
         """The response; RequestError says why there is none."""
         found: list[ServiceType] = []
 
-        def make_request(header: Mapping[str, str]) -> bytes:
+        async def make_request(header: Mapping[str, str]) -> bytes:
             service_type = self._types.service(header.get("type", ""))
             if header.get("md5sum") != service_type.md5sum:
                 raise RequestError(f"the service has another version of {service_type.name} than rosbridge")
             found.append(service_type)
-            return service_type.pack_request(call.args, self._clock.now)
+            if type(call.args) is not Kept:
+                return service_type.pack_request(call.args, self._clock.now)
+            args, now = PickleBuffer(call.args.data), self._clock.nanoseconds()
+            return await self._outside.make(packed_request, service_type.name, args, now)
 
         try:
             data, _ = await self._node.call(call.service, make_request, call.timeout)
-        except ServiceError as error:
+        except (ServiceError, RuntimeError) as error:
             raise RequestError(str(error)) from None
         return Response(found[0].response, data)
 

@@ -30,6 +30,11 @@ ASK_AGAIN = 0.5  # s, after a registration that came to nothing
 T = TypeVar("T")
 
 
+async def _empty(_header: object) -> bytes:
+    """The request for an ID."""
+    return b""
+
+
 def spec(message: Any) -> TypeSpec:
     """Of a generated message class."""
     return TypeSpec(message._type, message._md5sum, message._full_text)
@@ -110,9 +115,7 @@ class LightRobot:
     async def _register(self) -> int:
         while True:
             with contextlib.suppress(ServiceError):
-                answer, _ = await self._client.call(
-                    ADD_NEW_ROBOT, lambda _: b"", timeout=10.0, md5sum=AddNewRobot._md5sum
-                )
+                answer, _ = await self._client.call(ADD_NEW_ROBOT, _empty, timeout=10.0, md5sum=AddNewRobot._md5sum)
                 return int.from_bytes(answer, signed=True)
             await asyncio.sleep(ASK_AGAIN)
 

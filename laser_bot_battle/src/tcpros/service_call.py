@@ -14,7 +14,7 @@ from tcpros.header import LENGTH, HeaderError
 from tcpros.service import read_block
 from tcpros.specs import ANY, ServiceError
 
-MakeRequest = Callable[[Mapping[str, str]], bytes]
+MakeRequest = Callable[[Mapping[str, str]], Awaitable[bytes]]
 
 
 class ServiceCaller:
@@ -37,7 +37,7 @@ class ServiceCaller:
             async with asyncio.timeout(timeout):
                 connected, header = await self._connect(service, md5sum=md5sum, **fields)
                 try:
-                    request = make_request(header)
+                    request = await make_request(header)
                 except BaseException:
                     connected.close()
                     raise

@@ -7,7 +7,9 @@ from typing import NamedTuple
 from server.messages.types import ServiceType
 from server.rosbridge.capabilities.capability import Capability, Handler
 from server.rosbridge.context import Context
-from server.rosbridge.effects import Answer, CloseService, Effect, OpenService, Send
+from server.rosbridge.effects import Answer, Ask, CloseService, Effect, OpenService, Send
+from server.rosbridge.large_requests import Packed, serialized
+from server.rosbridge.outgoing import takes_long
 from server.websocket.requests import Request, RequestError, brief, dumps
 
 MAX_SERVICES = 100  # that one client offers
@@ -59,14 +61,22 @@ class ServiceOffers(Capability):
         offer = self._offers.get(service)
         if offer is None:
             return [Answer(call, None, "the service is gone")]
-        args = offer.type.request.values(data)
         effects: list[Effect] = []
         if len(self._calls) >= MAX_CALLS:
             oldest, _ = self._calls.pop(next(iter(self._calls)))
             effects.append(Answer(oldest, None, "too many calls wait for this client"))
         call_id = id_of(call, service)
+        operation = {"op": "call_service", "id": call_id, "service": offer.name}
+        if takes_long(offer.type.request, data, "none"):
+            effects.append(Ask(call, operation, offer.type.request, data))
+        else:
+            effects.append(Send(dumps({**operation, "args": offer.type.request.values(data)})))
         self._calls[call_id] = (call, service)
-        return [*effects, Send(dumps({"op": "call_service", "id": call_id, "service": offer.name, "args": args}))]
+        return effects
+
+    def owed(self) -> dict[str, str]:
+        """The types of the responses that the client is to give, by the id of the call."""
+        return {call_id: self._offers[service].type.response.name for call_id, (_, service) in self._calls.items()}
 
     def forget(self, call: int, service: str) -> None:
         """Nobody waits for the client's answer any more."""
@@ -80,12 +90,13 @@ class ServiceOffers(Capability):
         try:
             # a response that is filled in counts whatever `result` says, as upstream: handlers of roslibpy that fill it
             # in may return False or nothing
-            if not failed or (values and type(values) is dict):
-                return [Answer(call, self._offers[service].type.response.pack(values, self.client.clock.now), "")]
+            if not failed or (values and type(values) in {dict, Packed}):
+                response = self._offers[service].type.response
+                return [Answer(call, serialized(response, values, self.client.clock.now), "")]
         except RequestError as error:
             if not failed:
                 return [Answer(call, None, str(error)), *self.client.report("error", str(error), now, request.id)]
-        return [Answer(call, None, values if type(values) is str else brief(values))]
+        return [Answer(call, None, str(values) if type(values) in {str, Packed} else brief(values))]
 
     def closed(self) -> list[Effect]:
         effects: list[Effect] = []

@@ -7,6 +7,7 @@ from server.rosbridge.capabilities.capability import Capability, Handler, compre
 from server.rosbridge.compression import COMPRESSIONS
 from server.rosbridge.context import Context
 from server.rosbridge.effects import CallService, Effect, Reply, Send
+from server.rosbridge.large_requests import Kept
 from server.websocket.requests import MAX_NUMBER, Request, RequestError, brief, dumps, with_id
 
 MAX_CALLS = 100  # under way at once, for one client
@@ -35,7 +36,7 @@ class Services(Capability):
         if reason := self.client.gate.refuses_calling(self.client.identity, service):
             raise self.client.gate.refusal("call_service", reason)
         args = request.fields.get("args") or {}
-        if type(args) not in (dict, list):
+        if type(args) not in (dict, list, Kept):
             raise RequestError(f"the field 'args' must be an object or a list, not {brief(args)}")
         # without a time-out, or with one that is not positive, the call ends with its client at the latest
         timeout = request.fields.get("timeout")

@@ -47,7 +47,7 @@ def is_there(client: Client, service: str) -> bool:
 def encoder_of(rosbridge: Rosbridge) -> psutil.Process | None:
     """The process that encodes."""
     children = psutil.Process(rosbridge.program.process.pid).children()
-    found = [child for child in children if "server.rosbridge.outside" in " ".join(child.cmdline())]
+    found = [child for child in children if "server.messages.outside" in " ".join(child.cmdline())]
     return found[0] if found else None
 
 
@@ -154,6 +154,61 @@ def test_long_answers_of_services_come_whole(client: Connect, compression: str) 
         assert answer["op"] == "png"
         return
     assert (answer["id"], answer["values"], answer["result"]) == ("1", values, True)
+
+
+@pytest.fixture
+def keeper(client: Connect) -> Client:
+    """Offers a service that takes a map."""
+    keeper, other = client().operate(), client().operate()
+    keeper.say("advertise_service", service="/keep", type="nav_msgs/SetMap")
+    until(lambda: is_there(other, "/keep"), 10)
+    return keeper
+
+
+def test_a_service_gets_a_long_request_whole(client: Connect, keeper: Client) -> None:
+    caller = client().operate()
+    caller.say("call_service", service="/keep", id="1", args={"map": cells(5)})
+    asked = keeper.hear(20)
+    assert list(asked) == ["op", "id", "service", "args"]
+    assert asked["args"]["map"]["data"] == cells(5)["data"]
+    keeper.say("service_response", service="/keep", id=asked["id"], values={"success": True}, result=True)
+    assert caller.hear(20)["values"] == {"success": True}
+
+
+def test_nobody_waits_for_a_long_request_to_a_service(
+    client: Connect, keeper: Client, page: Client, frozen: psutil.Process
+) -> None:
+    caller, other = client().operate(), client().operate()
+    caller.say("call_service", service="/keep", args=[cells(5)])
+    other.say("call_service", service="/rosapi/get_time", id="now")
+    assert other.hear()["id"] == "now"
+    assert keeper.hears_nothing_for_now()
+    frozen.send_signal(signal.SIGCONT)
+    assert keeper.hear(20)["args"]["map"]["data"] == cells(5)["data"]
+
+
+def test_what_is_wrong_with_a_long_request_to_a_service_is_told(client: Connect, keeper: Client) -> None:
+    caller = client().operate()
+    caller.say("call_service", service="/keep", id="1", args={"map": {"data": "y" * 10**5}})
+    answer = caller.hear(20)
+    while answer["op"] == "status":
+        answer = caller.hear(20)
+    assert answer["result"] is False
+    assert "data" in answer["values"]
+    assert keeper.hears_nothing_for_now()
+
+
+def test_what_is_wrong_with_a_long_response_is_told_to_both(client: Connect, keeper: Client) -> None:
+    caller = client().operate()
+    caller.say("call_service", service="/keep", id="1")
+    asked = keeper.hear()
+    wrong = {"success": "y" * 10**5}
+    keeper.say("service_response", service="/keep", id=asked["id"], values=wrong, result=True)
+    assert "success" in keeper.hear_error()
+    answer = caller.hear(20)
+    while answer["op"] == "status":
+        answer = caller.hear(20)
+    assert answer["result"] is False
 
 
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGINT])

@@ -3,12 +3,13 @@
 import asyncio
 import io
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import pytest
 from roscpp.srv import SetLoggerLevel, SetLoggerLevelRequest  # type: ignore[import-untyped]
 
 from laser_bot_battle.srv import AddNewRobot, AddNewRobotResponse
+from tcpros.service_call import MakeRequest
 from tcpros.specs import ServiceError, ServiceFailure, ServiceSpec
 from tests.integration.tcpros.conftest import Scenario, StartNode
 from tests.integration.tcpros.ends import RawPeer, RospyPeer, eventually, registered
@@ -25,6 +26,17 @@ def request(logger: str) -> bytes:
     buffer = io.BytesIO()
     SetLoggerLevelRequest(logger, "level").serialize(buffer)
     return buffer.getvalue()
+
+
+def saying(data: bytes) -> MakeRequest:
+    async def make_request(_header: Mapping[str, str]) -> bytes:
+        return data
+
+    return make_request
+
+
+async def fail(_header: Mapping[str, str]) -> bytes:
+    return bytes(1 // 0)
 
 
 async def handle(data: bytes) -> bytes:
@@ -66,12 +78,12 @@ def test_we_call_services_of_rospy(run: Run, node: StartNode, peer: RospyPeer) -
             peer.do("serve_failing", "/fails")
             peer.do("wait_for_service", "/fails")
             await eventually(lambda: ["there", "/fails"] in peer.said)
-            data, header = await ours.call("/seven", lambda _: EMPTY, 5)
+            data, header = await ours.call("/seven", saying(EMPTY), 5)
             assert AddNewRobotResponse().deserialize(data).ID == 7
             assert (header["type"], header["md5sum"]) == ("laser_bot_battle/AddNewRobot", AddNewRobot._md5sum)
             assert await ours.probe("/seven") == header
             with pytest.raises(ServiceError, match="no logger mine"):
-                await ours.call("/fails", lambda _: request("mine"), 5, SetLoggerLevel._md5sum)
+                await ours.call("/fails", saying(request("mine")), 5, SetLoggerLevel._md5sum)
 
     peer.said.clear()
     run(scenario)
@@ -103,11 +115,11 @@ def test_what_can_go_wrong_with_a_call_is_said(run: Run, node: StartNode) -> Non
             }.items():
                 timeout = 0.2 if "0.2 s" in expected else LATEST
                 with pytest.raises(ServiceError, match=expected):
-                    await ours.call(name, lambda _: EMPTY, timeout)
+                    await ours.call(name, saying(EMPTY), timeout)
             with pytest.raises(ServiceError, match=f"it is {SET_LEVEL.name}"):
-                await ours.call("/slow", lambda _: EMPTY, 5, "0" * 32)
+                await ours.call("/slow", saying(EMPTY), 5, "0" * 32)
             with pytest.raises(ZeroDivisionError):
-                await ours.call("/slow", lambda _: bytes(1 // 0), 5)
+                await ours.call("/slow", fail, 5)
 
     try:
         run(scenario)
@@ -127,7 +139,7 @@ def test_a_service_that_ends_cuts_its_callers(run: Run, node: StartNode) -> None
 
             service = other.serve("/ends", SET_LEVEL, slow)
             await registered(other, 2, "/ends")
-            call = asyncio.create_task(ours.call("/ends", lambda _: EMPTY, 30))
+            call = asyncio.create_task(ours.call("/ends", saying(EMPTY), 30))
             await called.wait()
             service.close()
             with pytest.raises(ServiceError, match="broke"):
@@ -135,7 +147,7 @@ def test_a_service_that_ends_cuts_its_callers(run: Run, node: StartNode) -> None
             await registered(other, 2, "/ends", there=False)
             again = other.serve("/ends", SET_LEVEL, handle)
             await registered(other, 2, "/ends")
-            assert (await ours.call("/ends", lambda _: request("a"), 5))[0] == EMPTY
+            assert (await ours.call("/ends", saying(request("a")), 5))[0] == EMPTY
             again.close()
 
     run(scenario)
@@ -152,6 +164,6 @@ def test_a_request_of_an_impossible_length_ends_that_connection_only(run: Run, n
             assert await raw.ended()
             raw.close()
             await registered(ours, 2, "/s")
-            assert (await ours.call("/s", lambda _: request("a"), 5))[0] == EMPTY
+            assert (await ours.call("/s", saying(request("a")), 5))[0] == EMPTY
 
     run(scenario)

@@ -84,7 +84,7 @@ def test_who_unsubscribes_while_a_large_message_is_encoded_does_not_get_it(monke
             await encoded.wait()
             return b"frames"
 
-        monkeypatch.setattr(bridge._outside, "make", make)
+        monkeypatch.setattr(bridge.outside, "make", make)
         for name in ("stays", "goes"):
             connection: Any = SimpleNamespace(
                 address=name, move=lambda _: None, message=lambda *_, name=name: heard.append(name)
@@ -115,7 +115,7 @@ def test_what_a_client_that_has_gone_has_asked_at_length_opens_nothing(monkeypat
             await read.wait()
             return {"op": "advertise", "topic": "/game_status2", "type": "std_msgs/String"}
 
-        monkeypatch.setattr(bridge._outside, "do", do)
+        monkeypatch.setattr(bridge.outside, "do", do)
         connection: Any = SimpleNamespace(address="here", move=lambda _: None, hold=lambda: None, release=lambda: None)
         client = bridge.connected(connection, GUEST)
         bridge.received(client, " " * 100_000)

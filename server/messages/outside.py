@@ -1,6 +1,6 @@
-"""Work whose time grows with a message is done outside the event loop, so that no command waits for it.
+"""Work whose time grows with a message is done outside rosbridge's event loop, so that no command waits for it.
 
-`python3 -m server.rosbridge.outside` is the process that does it, on a socket that it inherits. A request is a pickled
+`python3 -m server.messages.outside` is the process that does it, on a socket that it inherits. A request is a pickled
 (function, arguments) and what is long in it, bytes that are sent as they are:
 
 | u32 | u32 each | |
@@ -70,7 +70,7 @@ async def _start() -> "_OtherEnd":
 
     def start() -> None:
         priority.keep_to_oneself()
-        command = [sys.executable, "-m", "server.rosbridge.outside", str(theirs.fileno())]
+        command = [sys.executable, "-m", "server.messages.outside", str(theirs.fileno())]
         try:
             process = subprocess.Popen(command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL)
         except OSError as error:
