@@ -29,12 +29,14 @@ from server.rosbridge.effects import (
     CloseSubscription,
     Effect,
     FindType,
+    GoOn,
     Later,
     Log,
     OpenPublisher,
     OpenService,
     OpenSubscription,
     Publish,
+    Read,
     Replay,
     Response,
     Send,
@@ -42,7 +44,7 @@ from server.rosbridge.effects import (
 )
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
-from server.rosbridge.large_requests import unpacked
+from server.rosbridge.large_requests import read, unpacked
 from server.rosbridge.metrics import Delays, metrics, missing
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.outgoing import asked_frames, replied, replied_frames, takes_long
@@ -67,6 +69,7 @@ LAST_CALL = 10.0  # s
 LATER = 1.0  # s
 # Of a topic's messages that wait for a large one before them; the oldest give way.
 MAX_WAITING = 64 * 2**20  # bytes
+_HOLDING = (Unpack, Read, GoOn)  # what a client has sent since waits for these
 GATE = "gate"  # takes part in the graph of topics as if it were a client
 
 
@@ -91,7 +94,9 @@ class Bridge:
         self._performers: dict[type, Callable[[Client | None, Any], object]] = {
             Publish: lambda _, effect: ros.publish(*effect),
             Send: self._send,
-            Unpack: self._unpack,
+            Unpack: partial(self._hold, self._unpack),
+            Read: partial(self._hold, self._read),
+            GoOn: partial(self._hold, self._go_on),
             Log: self._log,
             OpenPublisher: lambda _, effect: ros.open_publisher(*effect),
             ClosePublisher: lambda _, effect: ros.close_publisher(*effect),
@@ -165,25 +170,55 @@ class Bridge:
         if connection:
             connection.reply(effect.data, *effect.rest)
 
-    def _unpack(self, client: Client | None, effect: Unpack) -> None:
+    def _hold(
+        self,
+        work: Callable[[Client, Any], Coroutine[Any, Any, Sequence[Effect]]],
+        client: Client | None,
+        effect: Effect,
+    ) -> None:
+        """What the client has sent since waits for that work, and for its effects."""
         if client in self._connections:
             self._connections[client].hold()
-            self._start(self._read_outside(client, effect))
+            self._start(self._held(client, work(client, effect)))
 
-    async def _read_outside(self, client: Client, effect: Unpack) -> None:
-        types, responses, now = self._graph.types(), client.owed(), self._clock.nanoseconds()
+    async def _held(self, client: Client, work: Coroutine[Any, Any, Sequence[Effect]]) -> None:
+        effects: Sequence[Effect] = []
+        try:
+            effects = await work
+            if client in self._connections:  # what one that has gone opened now, nobody would close
+                effects = [*effects, *self._rest(client, effects)]
+                self._perform(client, effects)
+                self._move(client)
+        finally:
+            connection = self._connections.get(client)
+            if connection is not None and not any(isinstance(effect, _HOLDING) for effect in effects):
+                connection.release()
+
+    def _rest(self, client: Client, effects: Sequence[Effect]) -> Sequence[Effect]:
+        return [] if any(isinstance(effect, _HOLDING) for effect in effects) else client.go_on(self._loop.time())
+
+    async def _unpack(self, client: Client, effect: Unpack) -> Sequence[Effect]:
         fields, reason = {}, ""
         try:
-            fields = await self.outside.do(unpacked, effect.text, effect.wrapper, types, responses, now)
+            fields = await self.outside.do(unpacked, effect.text, effect.wrapper, *self._known(client))
         except (RequestError, RuntimeError) as error:
             reason = str(error)
-        connection = self._connections.get(client)
-        if connection is None:  # what a client that has gone opened now, nobody would close
-            return
+        return self._handle(client, fields, reason)
+
+    async def _read(self, client: Client, effect: Read) -> Sequence[Effect]:
         try:
-            self._perform(client, self._handle(client, fields, reason))
-        finally:
-            connection.release()
+            client.take(*await self.outside.do(read, client.stream, effect.data, *self._known(client)))
+        except RuntimeError as error:
+            return client.report("error", str(error), self._loop.time())
+        return []
+
+    async def _go_on(self, _client: Client, _effect: GoOn) -> Sequence[Effect]:
+        await asyncio.sleep(0)
+        return []
+
+    def _known(self, client: Client) -> tuple[dict[str, str], dict[str, str], int]:
+        """What it takes to read a request: types of topics, of responses, ROS's time (ns)."""
+        return self._graph.types(), client.owed(), self._clock.nanoseconds()
 
     def _handle(self, client: Client, fields: dict[str, Any], reason: str) -> list[Effect]:
         """The request with these fields, or why there is none."""

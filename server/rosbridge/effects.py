@@ -22,10 +22,20 @@ class Log(NamedTuple):
 
 class Unpack(NamedTuple):
     """A request that takes long to read, as JSON; `wrapper`: the operation that it was in, if any. What the client
-    sends next waits for it."""
+    has sent after it waits for it."""
 
     text: str
     wrapper: str = ""
+
+
+class Read(NamedTuple):
+    """What a client has sent, and takes long to read: `Client.take` gets what is found in it. What comes next waits."""
+
+    data: str | bytes
+
+
+class GoOn(NamedTuple):
+    """There is more to be done for the client, after others have had their turn."""
 
 
 class OpenPublisher(NamedTuple):
@@ -142,6 +152,8 @@ class Answer(NamedTuple):
 Effect = (
     Send
     | Unpack
+    | Read
+    | GoOn
     | Log
     | OpenPublisher
     | ClosePublisher

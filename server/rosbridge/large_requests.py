@@ -9,6 +9,7 @@ import genpy
 from server.messages.fitting import Now
 from server.messages.types import ConversionError, MessageType, known_service, known_type
 from server.rosbridge.compression import from_png
+from server.rosbridge.stream import RequestStream
 from server.websocket.requests import Request, RequestError, parse
 
 LARGE_TEXT = 64 * 2**10  # characters; shorter ones are read in a few ms
@@ -41,7 +42,29 @@ def unpacked(
     `types`: those of the topics in use, by name; `responses`: those that the client owes, by the calls' ids; `now`:
     ROS's time, ns. RequestError when there is no request.
     """
-    fields = parse(text)
+    return _prepared(parse(text), wrapper, types, responses, now)
+
+
+def read(
+    stream: RequestStream, data: str | bytes, types: Mapping[str, str], responses: Mapping[str, str], now: int
+) -> tuple[list[dict[str, Any] | RequestError], RequestStream]:
+    """All requests in `data`, as `unpacked` makes them, and why something is none; the stream behind it."""
+    found: list[dict[str, Any] | RequestError] = []
+    for each in stream.feed(data):
+        if isinstance(each, RequestError):
+            found.append(each)
+            continue
+        try:
+            fields = parse(each) if isinstance(each, str) else each
+            found.append(_prepared(fields, "", types, responses, now))
+        except RequestError as error:
+            found.append(error)
+    return found, stream
+
+
+def _prepared(
+    fields: dict[str, Any], wrapper: str, types: Mapping[str, str], responses: Mapping[str, str], now: int
+) -> dict[str, Any]:
     if fields.get("op") == "png" and wrapper != "png":
         fields, wrapper = parse(from_png(Request(fields).text("data"))), "png"
     refuse_nested(fields, wrapper)

@@ -3,18 +3,25 @@
 Bad requests are answered by a status of level error, and change nothing.
 """
 
+from collections import deque
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 
 from server.rosbridge.capabilities import CAPABILITIES
 from server.rosbridge.capabilities.service_offers import ServiceOffers
 from server.rosbridge.context import Context, TypeWantedError, UnsettledError
-from server.rosbridge.effects import Effect, FindType, Later, OpenSubscription, Replay, Unpack
+from server.rosbridge.effects import Effect, FindType, GoOn, Later, OpenSubscription, Read, Replay, Unpack
 from server.rosbridge.large_requests import LARGE_TEXT
-from server.websocket.requests import Request, RequestError, brief, parse
+from server.rosbridge.stream import Found, RequestStream
+from server.websocket.connection import MAX_MESSAGE, MAX_MESSAGE_OF_OTHERS
+from server.websocket.requests import Request, RequestError, brief
 
 # Requests of one client that wait for the types of their topics, or for its subscriptions.
 MAX_WAITING = 1000
+# What is not exactly one request is looked through bracket by bracket: so many characters of it in the event loop.
+LONG_LOOK = 4 * 2**10
+AT_ONCE = 16  # requests of one message that are carried out before others get their turn
 
 
 @dataclass(eq=False)
@@ -28,13 +35,41 @@ class Client(Context):
         self._waiting: dict[str, list[Request]] = {}  # by topic, in order
         self._held: set[str] = set()  # the topics of those that wait for subscriptions
         self._gone = False
+        self.stream = RequestStream(MAX_MESSAGE_OF_OTHERS, LARGE_TEXT)
+        self._backlog: deque[Found] = deque()  # in the stream, to be carried out
 
-    def receive(self, text: str | bytes, now: float) -> list[Effect]:
-        """A WebSocket message has come from the client."""
-        if isinstance(text, str) and len(text) > LARGE_TEXT:
-            return [Unpack(text)]
+    def receive(self, data: str | bytes, now: float) -> list[Effect]:
+        """A WebSocket message has come from the client. Not while an earlier one's effect is Unpack, Read or GoOn."""
+        whole = self.stream.whole(data)
+        if whole is not None:
+            return self._carry_out(whole, now)
+        self.stream.limit = MAX_MESSAGE if self.identity.operator else MAX_MESSAGE_OF_OTHERS
+        if len(data) > LONG_LOOK:
+            return [Read(data)]
+        self._backlog.extend(self.stream.feed(data))
+        return self.go_on(now)
+
+    def take(self, found: Iterable[Found], stream: RequestStream) -> None:
+        """What was found in a message that took long, for `go_on`."""
+        self._backlog.extend(found)
+        self.stream = stream
+
+    def go_on(self, now: float) -> list[Effect]:
+        """Carry out what has been found, up to a long request, and not too many at once."""
+        effects: list[Effect] = []
+        for _ in range(min(AT_ONCE, len(self._backlog))):
+            effects += self._carry_out(self._backlog.popleft(), now)
+            if any(isinstance(effect, Unpack) for effect in effects):
+                return effects
+        return [*effects, GoOn()] if self._backlog else effects
+
+    def _carry_out(self, found: Found, now: float) -> list[Effect]:
         try:
-            request = Request(parse(text))
+            if isinstance(found, str):
+                return [Unpack(found)]
+            if isinstance(found, RequestError):
+                raise found
+            request = Request(found)
         except RequestError as error:
             return self.report("error", str(error), now)
         return self.handle(request, now)

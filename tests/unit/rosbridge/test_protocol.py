@@ -13,17 +13,19 @@ from server.rosbridge.effects import (
     ClosePublisher,
     CloseSubscription,
     FindType,
+    GoOn,
     Later,
     Log,
     OpenPublisher,
     OpenSubscription,
     Publish,
+    Read,
     Replay,
     Response,
     Send,
 )
 from server.rosbridge.outgoing import replied
-from server.rosbridge.protocol import Client
+from server.rosbridge.protocol import AT_ONCE, Client
 from server.websocket.requests import one_line
 from tests.unit.rosbridge.clients import ADVERTISE, PUBLISH, TOKEN, Server, error, say, without_log
 
@@ -39,14 +41,45 @@ def test_the_words_of_a_page_become_commands_to_its_robot(server: Server) -> Non
 
 @pytest.mark.parametrize(
     "text",
-    ["", " ", "{", "nonsense", "[]", "1", "null", '"x"', '{"op": NaN}', '{"op": "publish", "msg": 1e999}', "[" * 60000,
-     '{"op": "publish", "topic": ' + "1" * 5000 + "}", b"\x00", b"{}", "{}", '{"op": 5}', '{"op": null}',
-     '{"op": "no such thing"}', '{"op": "handlers"}', '{"op": "__init__"}', '{"op": "Publish"}'],
+    ["nonsense", "[]", "1", "null", '"x"', '{"op": NaN}', '{"op": "publish", "msg": 1e999}', "{x", b"\xff", b"{}", "{}",
+     '{"op": 5}', '{"op": null}', '{"op": "no such thing"}', '{"op": "handlers"}', '{"op": "__init__"}',
+     '{"op": "Publish"}'],
 )  # fmt: skip
 def test_what_is_no_request_gets_an_error_and_changes_nothing(server: Server, text: str | bytes) -> None:
     client = server.client()
     error(client.receive(text, 0.0))
     assert client.closed() == []
+
+
+@pytest.mark.parametrize("text", ["", " ", "{", "\ufeff", b"", b"\0", b"\xc3"])
+def test_what_may_stand_between_requests_or_begin_one_is_no_error(server: Server, text: str | bytes) -> None:
+    client = server.client()
+    assert client.receive(text, 0.0) == []
+
+
+def test_what_takes_long_to_look_through_is_not_looked_through_here(server: Server) -> None:
+    for text in ("[" * 60000, '{"op": "publish", "topic": ' + "1" * 5000 + "}", b" " * 5000):
+        assert server.client().receive(text, 0.0) == [Read(text)]
+
+
+def test_a_message_of_many_requests_gives_others_their_turn(server: Server) -> None:
+    client = server.client()
+    effects = client.receive('{"op": "advertise", "topic": 5}' * 40, 0.0)
+    sent = [effect for effect in effects if isinstance(effect, Send)]
+    assert (len(sent), effects[-1]) == (AT_ONCE, GoOn())
+    rest = [*client.go_on(0.0), *client.go_on(0.0)]
+    assert len([effect for effect in rest if isinstance(effect, Send)]) == 40 - AT_ONCE
+    assert client.go_on(0.0) == []
+
+
+def test_requests_in_binary_messages_and_in_parts_are_understood(server: Server) -> None:
+    al = server.client(session_identity(TOKEN))
+    server.battle()
+    (opened,) = al.receive(ADVERTISE.encode(), 0.0)
+    assert isinstance(opened, OpenPublisher)
+    assert al.receive(PUBLISH[:20], 0.0) == []
+    published = Publish("/Robot3/command", b"\x01\xff\x00")
+    assert al.receive(PUBLISH[20:] + PUBLISH, 0.0) == [published, published]
 
 
 @pytest.mark.parametrize(
@@ -234,9 +267,9 @@ def test_a_line_for_the_log_is_one_short_line() -> None:
 
 def test_nonsense_does_not_fill_the_log(server: Server) -> None:
     client = server.client()
-    lines = [e for n in range(100) for e in client.receive("{", n / 100) if isinstance(e, Log)]
+    lines = [e for n in range(100) for e in client.receive('{"x": y}', n / 100) if isinstance(e, Log)]
     assert len(lines) == 6
-    assert any(isinstance(e, Log) for e in client.receive("{", 1.5))
+    assert any(isinstance(e, Log) for e in client.receive('{"x": y}', 1.5))
 
 
 @pytest.mark.parametrize(
