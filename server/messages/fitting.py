@@ -1,7 +1,5 @@
 """Does a JSON value fit a field? Functions that make bytes of it answer None when not; then the refusals say why."""
 
-import base64
-import binascii
 import math
 import struct
 from collections.abc import Callable, Mapping
@@ -9,6 +7,7 @@ from typing import Any, NoReturn
 
 import genpy
 
+from server.messages.base64_text import decoded
 from server.messages.layout import ANY_LENGTH, SCALARS, Scalar, is_bytes, refuse
 from server.websocket.requests import brief
 
@@ -65,8 +64,8 @@ def array(value: Any, element: Scalar, length: int) -> bytes | None:
     """An array of numbers or truth values; None for what is none, or has an element that does not fit."""
     if type(value) is str and is_bytes(element):
         try:
-            data = base64.b64decode(value, validate=True)
-        except (binascii.Error, ValueError):
+            data = decoded(value)
+        except ValueError:
             return None
         return data if length in (ANY_LENGTH, len(data)) else None
     if type(value) is not list or length not in (ANY_LENGTH, len(value)):
@@ -118,9 +117,9 @@ def refuse_time(value: Any, place: str, scalar: Scalar) -> NoReturn:
 def refuse_array(value: Any, place: str, element: Scalar, length: int) -> NoReturn:
     if type(value) is str and is_bytes(element):
         try:
-            size = len(base64.b64decode(value, validate=True))
-        except (binascii.Error, ValueError):
-            refuse(place, f"{brief(value)} is not base64")
+            size = len(decoded(value))
+        except ValueError as error:
+            refuse(place, f"{brief(value)} is {error}")
         refuse(place, f"{length} bytes are needed, not {size}")
     refuse_list(value, place, length)
     wrong = next(index for index, item in enumerate(value) if array([item], element, 1) is None)

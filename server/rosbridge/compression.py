@@ -17,6 +17,7 @@ from typing import Any
 
 import cbor2
 
+from server.messages.base64_text import decoded
 from server.websocket.requests import RequestError, dumps
 
 COMPRESSIONS = ("none", "png", "cbor", "cbor-raw")
@@ -60,7 +61,7 @@ def from_png(data: str) -> str:
     from PIL import Image  # noqa: PLC0415  as above
 
     try:
-        with Image.open(BytesIO(essential(base64.b64decode(data, validate=True))), formats=["PNG"]) as image:
+        with Image.open(BytesIO(essential(decoded(data))), formats=["PNG"]) as image:
             return str(image.tobytes(), "utf-8")
     # Pillow's PNG reader says SyntaxError, too
     except (OSError, ValueError, SyntaxError, struct.error, zlib.error) as error:

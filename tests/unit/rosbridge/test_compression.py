@@ -11,6 +11,7 @@ import cbor2
 import pytest
 from PIL import Image
 
+from server.messages.base64_text import decoded
 from server.rosbridge.compression import PNG_START, encode, from_png, raw, to_png
 from server.websocket.requests import RequestError
 
@@ -104,3 +105,14 @@ def test_cbor_raw_has_the_message_as_ros_has_it_and_the_time() -> None:
         "topic": "/chat",
         "msg": {"secs": 5, "nsecs": 6, "bytes": b"\1\0\0\0a"},
     }
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", " ", "\t"])
+def test_base64_may_come_in_lines(end: str) -> None:
+    """As Android's and Java's encoders for MIME write it."""
+    data = bytes(range(256))
+    text = base64.b64encode(data).decode()
+    lines = end.join(text[start : start + 76] for start in range(0, len(text), 76)) + end
+    assert decoded(lines) == decoded(text) == data
+    png = to_png('{"op":"x"}')
+    assert from_png(end.join(png[start : start + 76] for start in range(0, len(png), 76))).strip() == '{"op":"x"}'
