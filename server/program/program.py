@@ -11,7 +11,6 @@ import time
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
-from queue import SimpleQueue
 from typing import Any, Self
 
 from laser_bot_battle import variables
@@ -22,6 +21,7 @@ from server.program.ros_address import settle
 _log = logging.getLogger(__name__)
 
 _END_WITHIN = 1.8  # s
+_SIGNALS = {signal.SIGINT, signal.SIGTERM}
 
 
 def read_arguments(
@@ -83,12 +83,14 @@ class Program:
 
         The work gets a socket that has the port but does not listen yet: until all is ready, connections are refused.
         """
-        # A handler runs in the middle of whatever this thread does. Setting the event there would wait for ever for the
-        # event's own lock, if this thread was just about to wait for it; a SimpleQueue may be used in handlers.
-        signals: SimpleQueue[int] = SimpleQueue()
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, lambda number, _: signals.put(number))
-        threading.Thread(target=self._obey, args=[signals], name="signals", daemon=True).start()
+        # Python calls a handler in this thread only, and not at all if the signal comes just before the thread begins
+        # to wait; but it writes the signal's number into a socket at once.
+        signals, written = socket.socketpair()
+        written.setblocking(False)
+        signal.set_wakeup_fd(written.fileno())
+        for number in _SIGNALS:
+            signal.signal(number, lambda *_: None)
+        threading.Thread(target=self._obey, args=[signals, written], name="signals", daemon=True).start()
         bind, port = self.settings.bind, self.settings.port
         try:
             listener = _bind(bind, port)
@@ -142,8 +144,9 @@ class Program:
         self.ending.set()
         watch.stop()
 
-    def _obey(self, signals: "SimpleQueue[int]") -> None:
-        signals.get()
+    def _obey(self, signals: socket.socket, _written: socket.socket) -> None:
+        while signals.recv(1)[0] not in _SIGNALS:
+            pass
         self.ending.set()
 
     def _end_in_time(self) -> None:
