@@ -19,7 +19,7 @@ from robot import keeper
 keeper.BEAT = 0.05
 configure_logging("info")
 heart = keeper.keep_going()
-print(f"worker {os.getpid()}", flush=True)
+os.write(1, f"worker {os.getpid()}\\n".encode())  # in one piece: the keeper logs into the same file
 END = time.monotonic() + 20
 while time.monotonic() < END:
     WORK
