@@ -3,6 +3,8 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple, Self
 
+from server.websocket.requests import is_ros_name
+
 ACTION_TOPICS = frozenset({"cancel", "feedback", "goal", "result", "status"})  # actionlib's
 
 Nodes = Mapping[str, Sequence[str]]  # nodes by the name of what they use
@@ -29,7 +31,8 @@ class SystemState(NamedTuple):
 
 
 def shown(names: Nodes, allowed: Callable[[str], bool]) -> Nodes:
-    return {name: nodes for name, nodes in names.items() if allowed(name)}
+    """Those that clients can use, and may."""
+    return {name: nodes for name, nodes in names.items() if is_ros_name(name) and allowed(name)}
 
 
 def used_by(node: str, names: Nodes) -> list[str]:

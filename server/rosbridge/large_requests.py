@@ -71,7 +71,7 @@ def _prepared(
     request = Request(fields)
     match fields.get("op"):
         case "publish":
-            name = types.get(request.ros_name("topic")) or request.optional_text("type", "")
+            name = types.get(request.ros_name("topic")) or request.ros_type("")
             if name:
                 fields["msg"] = _packed(name, fields.get("msg", {}), now)
         case "service_response" if type(fields.get("values")) is dict and request.id in responses:

@@ -9,8 +9,9 @@ from laser_bot_battle.names import ROSBRIDGE_NODE
 dumps = json.JSONEncoder(allow_nan=False, separators=(",", ":")).encode
 loads = json.JSONDecoder().decode
 
-# What ROS has in use is more than its naming rules allow: a digit or a dash in front of a part, a dot in it.
-ROS_NAME = re.compile(r"[/~]?[A-Za-z0-9_][\w.:+-]*(/[\w.:+-]+)*", re.ASCII)
+# What ROS has in use is more than its naming rules allow: the master takes any name, and nodes of all languages are
+# careless.
+ROS_NAME = re.compile(r"[/~]?[^\s/~]+(/[^\s/~]+)*")
 SURROGATE = re.compile("[\ud800-\udfff]")
 MAX_NAME = 200  # characters
 MAX_NUMBER = 1e9
@@ -55,11 +56,17 @@ class Request:
         topic or service (the gate's rules above all) must be compared with this form."""
         value = self.text(name)
         canonical = value.rstrip("/").replace("//", "/") if "/" in value[1:] else value
-        if len(value) > MAX_NAME or not ROS_NAME.fullmatch(canonical):
+        if not is_ros_name(canonical) or len(value) > MAX_NAME:
             raise RequestError(f"{brief(value)} is not a ROS name")
         if canonical.startswith("~"):
             return f"/{ROSBRIDGE_NODE}/{canonical[1:]}"
         return canonical if canonical.startswith("/") else f"/{canonical}"
+
+    def ros_type(self, default: str | None = None) -> str:
+        """The name of a message's or service's type, "package/Name"; upstream overlooks further slashes. Without a
+        default it must be there."""
+        value = self.text("type") if default is None else self.optional_text("type", default)
+        return "/".join(part for part in value.split("/") if part)
 
     def optional_text(self, name: str, default: str) -> str:
         return default if self.fields.get(name) is None else self.text(name)
@@ -93,6 +100,11 @@ class Request:
 
     def _given(self, name: str) -> str:
         return f"not {brief(self.fields[name])}" if name in self.fields else "it is missing"
+
+
+def is_ros_name(name: str) -> bool:
+    """Whether clients can use what the ROS master lists by this name."""
+    return len(name) <= MAX_NAME and name.isprintable() and ROS_NAME.fullmatch(name) is not None
 
 
 def parse(text: str | bytes) -> dict[str, Any]:

@@ -40,7 +40,7 @@ class Publishing(Capability):
         return {"advertise": self.advertise, "unadvertise": self.unadvertise, "publish": self.publish}
 
     def advertise(self, request: Request, now: float) -> list[Effect]:
-        topic, type_name = request.ros_name("topic"), request.text("type")
+        topic, type_name = request.ros_name("topic"), request.ros_type()
         # a robot must never act on an old command
         latch = request.flag("latch") and topic not in COMMAND_TOPICS
         wanted = Advertisement(topic, type_name, latch, request.id, now + SIGN_UP_GRACE)
@@ -89,7 +89,7 @@ class Publishing(Capability):
         opened: list[Effect] = []
         shots: list[Publish] = []
         if message_type is None:
-            message_type = client.topic_type(topic, request.optional_text("type", ""))
+            message_type = client.topic_type(topic, request.ros_type(""))
         data = serialized(message_type, request.fields.get("msg", {}), client.clock.now)
         if topic in COMMAND_TOPICS:
             client.gate.check_command(client.identity, data)

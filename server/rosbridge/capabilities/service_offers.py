@@ -37,7 +37,7 @@ class ServiceOffers(Capability):
         }
 
     def advertise_service(self, request: Request, _now: float) -> list[Effect]:
-        service, type_name = request.ros_name("service"), request.text("type")
+        service, type_name = request.ros_name("service"), request.ros_type()
         if reason := self.client.gate.refuses_offering(self.client.identity, service):
             raise self.client.gate.refusal("advertise_service", reason)
         offer = Offer(request.text("service"), self.client.types.service(type_name))

@@ -23,7 +23,7 @@ class Subscribing(Capability):
         return {"subscribe": self.subscribe, "unsubscribe": self.unsubscribe}
 
     def subscribe(self, request: Request, _now: float) -> list[Effect]:
-        topic, type_name = request.ros_name("topic"), request.optional_text("type", "")
+        topic, type_name = request.ros_name("topic"), request.ros_type("")
         terms = Terms(
             request.number("throttle_rate", 0) / 1000,
             min(request.count("queue_length", 0), MAX_QUEUE_LENGTH),

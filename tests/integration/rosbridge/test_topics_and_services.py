@@ -1,5 +1,6 @@
 """Topics and services over the WebSocket, for operators, who may use all of them."""
 
+import json
 import time
 from collections.abc import Callable
 from typing import Any
@@ -111,6 +112,41 @@ def test_a_client_that_subscribes_and_asks_hears_the_answer(ros_master: RosMaste
             asking.close()
     finally:
         echo.stop()
+
+
+@pytest.mark.parametrize("topic", ["/café/menu", "/a@b", "/x(1)/y", "/n#1"])
+def test_what_the_ros_master_lists_can_be_published_and_heard(ros: RosSide, client: Connect, topic: str) -> None:
+    page = client().operate()
+    ros.listen(topic, "std_msgs/String")
+    page.say("advertise", topic=topic, type="/std_msgs/String")
+
+    def heard() -> bool:
+        page.say("publish", topic=topic, msg={"data": "there"})
+        return bool(ros.heard(topic))
+
+    until(heard)
+    page.say("subscribe", topic=topic)
+
+    def comes_back() -> bool:
+        ros.publish(topic, "std_msgs/String", data="back")
+        return not page.hears_nothing_for_now()
+
+    until(comes_back)
+    page.say("call_service", service="/rosapi/topics", id="topics")
+    answer = page.hear()
+    while answer["op"] == "publish":
+        answer = page.hear()
+    assert topic in answer["values"]["topics"]
+
+
+def test_requests_come_in_binary_messages_several_in_one_and_one_in_several(client: Connect) -> None:
+    page = client().operate()
+    asked = [json.dumps({"op": "call_service", "service": "/rosapi/get_time", "id": f"é{n}"}) for n in range(60)]
+    page.socket.send("\ufeff" + "\n".join(asked[:30]) + "\0")
+    binary = " ".join(asked[30:]).encode()
+    for start in range(0, len(binary), 7):
+        page.socket.send(binary[start : start + 7])
+    assert {page.hear()["id"] for _ in asked} == {f"é{n}" for n in range(60)}
 
 
 def test_a_publisher_serves_until_its_last_client_has_gone(ros: RosSide, client: Connect) -> None:

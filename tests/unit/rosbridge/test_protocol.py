@@ -92,7 +92,7 @@ def test_requests_in_binary_messages_and_in_parts_are_understood(server: Server)
         {"op": "advertise", "topic": "/a", "type": "std_msgs/Nothing"},
         {"op": "advertise", "topic": "/a", "type": "std_msgs/String", "latch": 1},
         {"op": "advertise", "topic": "", "type": "std_msgs/String"},
-        {"op": "advertise", "topic": "/ä", "type": "std_msgs/String"},
+        {"op": "advertise", "topic": "/a b", "type": "std_msgs/String"},
         {"op": "advertise", "topic": "/a\n", "type": "std_msgs/String"},
         {"op": "advertise", "topic": "/" + "a" * 1000, "type": "std_msgs/String"},
         {"op": "unadvertise"},
@@ -273,12 +273,28 @@ def test_nonsense_does_not_fill_the_log(server: Server) -> None:
 
 
 @pytest.mark.parametrize(
-    ("given", "meant"), [("~a", "/rosbridge_websocket/a"), ("a//b/", "/a/b"), ("/2-d/x.y", "/2-d/x.y"), ("/a", "/a")]
+    ("given", "meant"),
+    [
+        ("~a", "/rosbridge_websocket/a"),
+        ("a//b/", "/a/b"),
+        *((name, name) for name in ("/a", "/2-d/x.y", "/café/menu", "/a@b", "/x(1)/y", "/n#1", "/机器人/速度")),
+    ],
 )
 def test_names_are_those_that_ros_has_in_use(server: Server, given: str, meant: str) -> None:
     (opened,) = say(server.client(), op="advertise", topic=given, type="std_msgs/String")
     assert isinstance(opened, OpenPublisher)
     assert opened.topic == meant
+
+
+@pytest.mark.parametrize("name", ["/std_msgs/String", "std_msgs//String", "//std_msgs/String/"])
+def test_further_slashes_of_a_type_are_overlooked(server: Server, name: str) -> None:
+    client = server.client()
+    (opened,) = say(client, op="advertise", topic="/a", type=name)
+    assert isinstance(opened, OpenPublisher)
+    assert opened.type.name == "std_msgs/String"
+    assert error(say(client, op="subscribe", topic="/a", type="/std_msgs/Int8"))
+    (replay,) = say(client, op="subscribe", topic="/a", type=name)
+    assert isinstance(replay, Replay | OpenSubscription)
 
 
 def test_a_long_id_is_refused(server: Server) -> None:
