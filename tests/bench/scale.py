@@ -115,7 +115,8 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     allow_files(FILES)
     print(
-        f"{arguments.spectators} spectators, {RATE} commands/s of a driver, {HITS} hits/s, {arguments.seconds:g} s each"
+        f"{arguments.spectators} spectators, {arguments.rate:g} commands/s of a driver, {HITS} hits/s, "
+        f"{arguments.seconds:g} s each"
     )
     header, *names = "", "rosmaster", "server.main", "server.rosbridge"
     print(f"{header:8}" + "".join(f"{name:>18}" for name in names) + f"{'master':>9}{'load':>7}{'command':>15}")
@@ -130,7 +131,7 @@ def main() -> None:
     for players in arguments.players:
         busy = os.getloadavg()[0]
         with loaded_master(players, arguments.spectators) as loaded:
-            row = measure(loaded, players, arguments.seconds)
+            row = measure(loaded, players, arguments.seconds, arguments.rate)
             show(row, busy)
         if row.faults and not bend:
             bend = f"It bends at {players} players: {', '.join(row.faults)}."
@@ -143,6 +144,9 @@ def parse_arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description="How many players one master carries.")
     parser.add_argument("--players", type=int, nargs="+", default=PLAYERS, help="numbers of drivers, each with a robot")
     parser.add_argument("--spectators", type=int, default=SPECTATORS)
+    parser.add_argument(
+        "--rate", type=float, default=RATE, help="commands/s; an arena has 128 IDs, more drivers are a higher rate"
+    )
     parser.add_argument("--seconds", type=float, default=SECONDS, help="for each row, 60 at most: players are hit")
     return parser.parse_args()
 
@@ -182,14 +186,14 @@ def loaded_master(
         yield Loaded(master, robots, pages, drivers, watching, loads)
 
 
-def measure(loaded: Loaded, players: int, seconds: float) -> Row:
+def measure(loaded: Loaded, players: int, seconds: float, rate: float = RATE) -> Row:
     masters, loads = loaded.master.pids, [load.pid for load in loaded.loads]
-    loaded.drivers.call("drive", RATE, WARM_UP)
+    loaded.drivers.call("drive", rate, WARM_UP)
     time.sleep(SETTLE)
     loaded.robots.call("collect")
     began = time.monotonic()
     before = {pid: cpu_seconds(pid) for pid in [*masters.values(), *loads]}
-    sent = loaded.drivers.call("drive", RATE, seconds)
+    sent = loaded.drivers.call("drive", rate, seconds)
     passed = time.monotonic() - began
     cores = {pid: (cpu_seconds(pid) - earlier) / passed for pid, earlier in before.items()}
     costs = {name: Costs(cores[pid], psutil.Process(pid).memory_info().rss) for name, pid in masters.items()}
