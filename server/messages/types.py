@@ -17,6 +17,7 @@ The stamp of a std_msgs/Header has now as its default (rosbridge protocol 3.2.3)
 import importlib.util
 import os
 import re
+import sys
 import time
 from collections.abc import Callable
 from contextlib import suppress
@@ -187,6 +188,7 @@ def find_class(folder: str, name: str) -> type[Any]:
             if not isinstance(error, ModuleNotFoundError) or error.name != module:
                 raise ConversionError(f"the {kind} type {name[:80]} cannot be loaded: {error}") from None
     if not hasattr(found, "_md5sum"):
+        sys.modules.pop(module, None)  # it may be half written: next time it is looked at again
         raise ConversionError(f"the {kind} type {name[:80]} is unknown here")
     return found  # type: ignore[return-value]
 

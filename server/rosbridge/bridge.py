@@ -40,6 +40,7 @@ from server.rosbridge.effects import (
     Replay,
     Response,
     Send,
+    Unlatch,
     Unpack,
 )
 from server.rosbridge.gate import STATUS_TYPE, Gate
@@ -90,9 +91,10 @@ class Bridge:
         # messages, each for some subscriptions, of topics of which a large one is being encoded
         self._lines: dict[str, deque[tuple[Delivery, list[Subscription]]]] = {}
         self._latest: Delivery | None = None  # large one: who comes soon after it gets what has been encoded
-        self._ros = ros = Ros(node, types, clock, self.outside, self._deliver)
+        self._ros = ros = Ros(node, types, clock, self.outside, deliver=self._deliver, troubled=self._troubled)
         self._performers: dict[type, Callable[[Client | None, Any], object]] = {
-            Publish: lambda _, effect: ros.publish(*effect),
+            Publish: lambda client, effect: ros.publish(effect.topic, effect.data, client),
+            Unlatch: lambda client, effect: ros.unlatch(effect.topic, client),
             Send: self._send,
             Unpack: partial(self._hold, self._unpack),
             Read: partial(self._hold, self._read),
@@ -307,12 +309,21 @@ class Bridge:
         if message_type is None:
             return  # these were the last words of a client that is gone: what closes the topic follows at once
         self._start(self._settle(client, topic))
+        if client is not None:
+            for trouble in self._ros.troubles(topic):
+                self._perform(client, client.tell("error", trouble))
         for data in self._ros.latched(topic):
             told = self._gate.public(data) if topic == GAME_STATUS else data
             message = self._latest
             if message is None or not message.is_of(told):
                 message = Delivery(message_type, told, self._clock.nanoseconds())
             self._offer([each for each in self._graph.subscriptions(topic) if each.client is client], topic, message)
+
+    def _troubled(self, topic: str, trouble: str) -> None:
+        """A publisher cannot be reached: those who are subscribed wait for what does not come."""
+        waiting = {each.client for each in self._graph.subscriptions(topic)}
+        for client in [each for each in self._connections if each in waiting]:
+            self._perform(client, client.tell("error", trouble))
 
     def _deliver(self, topic: str, message_type: MessageType, data: bytes) -> None:
         """A message from ROS. It is encoded once in each form, however many clients get it."""

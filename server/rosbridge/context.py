@@ -84,9 +84,12 @@ class Context(ABC):
 
     def report(self, level: str, text: str, now: float, request_id: Id = None) -> list[Effect]:
         """Tell client and operator; `level` is error, warning or info."""
+        return [*self.log(Log(LOG_LEVELS[level], text), now), *self.tell(level, text, request_id)]
+
+    def tell(self, level: str, text: str, request_id: Id = None) -> list[Effect]:
+        """Tell the client, if it wants to hear such things."""
         wanted = SEVERITY[level] <= SEVERITY[self.status_level]
-        told: list[Effect] = [Send(status(level, text, request_id))] if wanted else []
-        return [*self.log(Log(LOG_LEVELS[level], text), now), *told]
+        return [Send(status(level, text, request_id))] if wanted else []
 
     def log(self, line: Log, now: float) -> list[Effect]:
         """That line for the operator, unless this client has caused too many of late."""

@@ -46,6 +46,12 @@ class OpenPublisher(NamedTuple):
     latch: bool
 
 
+class Unlatch(NamedTuple):
+    """The client advertises this topic no longer, others do."""
+
+    topic: str
+
+
 class ClosePublisher(NamedTuple):
     """Nobody advertises this topic any more."""
 
@@ -156,6 +162,7 @@ Effect = (
     | GoOn
     | Log
     | OpenPublisher
+    | Unlatch
     | ClosePublisher
     | Publish
     | OpenSubscription

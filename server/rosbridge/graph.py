@@ -12,6 +12,7 @@ from server.rosbridge.effects import (
     OpenPublisher,
     OpenSubscription,
     Replay,
+    Unlatch,
 )
 from server.rosbridge.subscription import Subscription
 from server.websocket.requests import RequestError
@@ -71,7 +72,7 @@ class Graph:
         open_topic = self._topics[topic]
         open_topic.publishers.remove(client)
         self._forget_unused(topic, open_topic)
-        return [] if open_topic.publishers else [ClosePublisher(topic)]
+        return [Unlatch(topic) if open_topic.publishers else ClosePublisher(topic)]
 
     def subscribe(self, topic: str, message_type: MessageType, subscription: Subscription) -> list[Effect]:
         """`subscription.client` gets the topic's messages, from a latched one on."""

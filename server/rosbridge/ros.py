@@ -4,8 +4,9 @@ import asyncio
 import itertools
 import logging
 import struct
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Hashable, Mapping
 from contextlib import suppress
+from functools import partial
 from pickle import PickleBuffer
 
 from laser_bot_battle.master import MasterError
@@ -34,20 +35,27 @@ SETTLING = 1.0  # s
 _SEQ = struct.Struct("<I")
 
 Deliver = Callable[[str, MessageType, bytes], None]  # (topic, type, serialized message)
+Troubled = Callable[[str, str], None]  # (topic, why a publisher of it cannot be reached)
 
 
 class TopicSubscriber:
     """One topic's subscriber."""
 
-    def __init__(self, node: Node, topic: str, message_type: MessageType, deliver: Deliver) -> None:
+    def __init__(self, node: Node, topic: str, message_type: MessageType, deliver: Deliver, troubled: Troubled) -> None:
         self._topic, self._type, self._deliver = topic, message_type, deliver
         self._subscriber: Subscriber = node.subscribe(topic, type_spec(message_type), self._received)
+        self._subscriber.on_trouble = partial(troubled, topic)
 
     async def settled(self) -> None:
         await self._subscriber.settled()
 
-    def latched(self) -> list[bytes]:
-        return self._subscriber.latched()
+    def latched(self, ours: str) -> list[bytes]:
+        """Without those of the node with the URI `ours`."""
+        peers = self._subscriber.peers()
+        return [peer.latched for uri, peer in peers.items() if uri != ours and peer.latched is not None]
+
+    def troubles(self) -> list[str]:
+        return self._subscriber.troubles()
 
     def close(self) -> None:
         self._subscriber.close()
@@ -68,10 +76,16 @@ class TopicPublisher:
             topic, type_spec(message_type), latch=latch, latest=topic in COMMAND_TOPICS
         )
 
-    def publish(self, data: bytes) -> None:
+    def publish(self, data: bytes, source: Hashable) -> None:
         if self._has_header:  # which begins with the message's number, for the publisher to count
             data = _SEQ.pack(next(self._numbers) & 0xFFFFFFFF) + data[_SEQ.size :]
-        self._publisher.publish(data)
+        self._publisher.publish(data, source)
+
+    def unlatch(self, source: Hashable) -> None:
+        self._publisher.unlatch(source)
+
+    def latched(self) -> list[bytes]:
+        return self._publisher.latched()
 
     def close(self) -> None:
         self._publisher.close()
@@ -80,8 +94,11 @@ class TopicPublisher:
 class Ros:
     """All that rosbridge has open. For the event loop's thread; nothing blocks."""
 
-    def __init__(self, node: Node, types: Types, clock: Clock, outside: Outside, deliver: Deliver) -> None:
-        self._node, self._types, self._clock, self._outside, self._deliver = node, types, clock, outside, deliver
+    def __init__(
+        self, node: Node, types: Types, clock: Clock, outside: Outside, *, deliver: Deliver, troubled: Troubled
+    ) -> None:
+        self._node, self._types, self._clock, self._outside = node, types, clock, outside
+        self._deliver, self._troubled = deliver, troubled
         self._loop = asyncio.get_running_loop()
         self._publishers: dict[str, TopicPublisher] = {}
         self._subscribers: dict[str, TopicSubscriber] = {}
@@ -97,14 +114,19 @@ class Ros:
             lingering.close()
         self._publishers[topic] = TopicPublisher(self._node, topic, message_type, latch)
 
-    def publish(self, topic: str, data: bytes) -> None:
-        self._publishers[topic].publish(data)
+    def publish(self, topic: str, data: bytes, source: Hashable) -> None:
+        """`source`: whose last message it is, for a topic that latches."""
+        self._publishers[topic].publish(data, source)
+
+    def unlatch(self, topic: str, source: Hashable) -> None:
+        """That source's last message goes with it; others still publish."""
+        self._publishers[topic].unlatch(source)
 
     def close_publisher(self, topic: str) -> None:
         self._publishers[topic].closing = self._loop.call_later(LINGER, self._close_publisher, topic)
 
     def open_subscription(self, topic: str, message_type: MessageType) -> None:
-        self._subscribers[topic] = TopicSubscriber(self._node, topic, message_type, self._deliver)
+        self._subscribers[topic] = TopicSubscriber(self._node, topic, message_type, self._deliver, self._troubled)
 
     async def settled(self, topic: str) -> None:
         """Wait until the publishers of an open topic have this subscriber, as far as they answer in time."""
@@ -114,8 +136,13 @@ class Ros:
                     await self._subscribers[topic].settled()
 
     def latched(self, topic: str) -> list[bytes]:
-        """The newest messages of an open topic's latching publishers."""
-        return self._subscribers[topic].latched()
+        """The newest messages of an open topic's latching publishers, and of each of our own clients."""
+        ours = self._publishers.get(topic)
+        return [*self._subscribers[topic].latched(self._node.uri), *(ours.latched() if ours else ())]
+
+    def troubles(self, topic: str) -> list[str]:
+        """Why publishers of an open topic are not connected."""
+        return self._subscribers[topic].troubles()
 
     def close_subscription(self, topic: str) -> None:
         self._subscribers.pop(topic).close()

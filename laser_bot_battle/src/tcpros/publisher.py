@@ -3,7 +3,7 @@
 import asyncio
 import math
 import socket
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 
 from tcpros.header import LENGTH
 from tcpros.outgoing import Backlog, Outgoing
@@ -15,6 +15,8 @@ EARLY = 10.0  # s
 # So long after the master knows the publisher, others get them, too: who subscribes at the same moment. Later they do
 # not: a robot must not act on commands from before its start.
 SAME_MOMENT = 1.0  # s
+
+MOST_LATCHED = 16  # messages, of so many sources
 
 # With `latest`, what the kernel may hold for a subscriber that does not read: the commands of about a second, so that
 # after a short disturbance of the radio the last one, neutral perhaps, gets through.
@@ -32,7 +34,7 @@ class Publisher:
         self._closed = closed
         self._connections: set[Outgoing] = set()
         self._turn: list[bytes] = []  # what was published in this turn of the event loop
-        self._latched = b""
+        self._latched: dict[Hashable, bytes] = {}  # the last message of each source, the newest last
         self._early = None if latest else Backlog()
         self._early_for: set[str] = set()  # nodes that were there before and have not connected yet
         self._moment_end = math.inf
@@ -52,9 +54,10 @@ class Publisher:
         self._early_for = nodes - {connection.callerid for connection in self._connections}
         self._moment_end = self._loop.time() + SAME_MOMENT
 
-    def publish(self, data: bytes) -> None:
+    def publish(self, data: bytes, source: Hashable = None) -> None:
         """A serialized message, without its length. It leaves at the end of this turn of the event loop, in one piece
-        with the others of the turn; with `latest` it leaves now, or is dropped."""
+        with the others of the turn; with `latest` it leaves now, or is dropped. The last one of each `source` is
+        latched, as if the sources were nodes of their own."""
         frame = LENGTH.pack(len(data)) + data
         if self.latest:
             self._send([frame])
@@ -62,6 +65,19 @@ class Publisher:
         if not self._turn:
             self._loop.call_soon(self._flush)
         self._turn.append(frame)
+        if self.latch:
+            self._latched.pop(source, None)
+            self._latched[source] = frame
+            if len(self._latched) > MOST_LATCHED:
+                del self._latched[next(iter(self._latched))]
+
+    def unlatch(self, source: Hashable) -> None:
+        """That source is gone."""
+        self._latched.pop(source, None)
+
+    def latched(self) -> list[bytes]:
+        """The messages that newcomers get, without their lengths."""
+        return [frame[LENGTH.size :] for frame in self._latched.values()]
 
     def add(self, connected: socket.socket, header: Mapping[str, str]) -> None:
         """A subscriber that has said its header and heard ours."""
@@ -98,8 +114,6 @@ class Publisher:
             return
         frames, self._turn = self._turn, []
         self._send(frames)
-        if self.latch:
-            self._latched = frames[-1]
         if self._early is not None:
             self._early.add(frames)
 
@@ -108,7 +122,7 @@ class Publisher:
         if self._early is not None and (node in self._early_for or self._loop.time() < self._moment_end):
             self._early_for.discard(node)
             return self._early.all()
-        return [self._latched] if self._latched else []
+        return list(self._latched.values())
 
     def _send(self, frames: list[bytes]) -> None:
         joined = frames[0] if len(frames) == 1 else b"".join(frames)

@@ -20,13 +20,13 @@ GRACE = 1.0  # s
 class Source:
     """One publisher, by the URI of its node."""
 
-    def __init__(self, node: str, uri: str, topic: str, spec: TypeSpec, received: Received) -> None:
+    def __init__(self, subscriber: "Subscriber", uri: str) -> None:
         self.connection: Incoming | None = None
         self.tried = asyncio.Event()  # it is connected, or has failed once
-        self._node, self._uri, self._topic, self._spec, self._received = node, uri, topic, spec, received
+        self.trouble = ""  # why it is not connected, as far as that is known
+        self._subscriber, self._uri = subscriber, uri
         self._named = asyncio.Event()  # the master has just named it
         self._leaving: asyncio.TimerHandle | None = None
-        self._told = ""
         self.task = asyncio.get_running_loop().create_task(self._run())
 
     def name(self) -> None:
@@ -54,17 +54,18 @@ class Source:
         while True:
             self._named.clear()
             try:
+                own = self._subscriber
                 connection = self.connection = await incoming.connect(
-                    self._node, self._uri, self._topic, self._spec, self._received
+                    own.node, self._uri, own.topic, own.spec, own.received
                 )
-                self._told = ""
+                self.trouble = ""
                 self.tried.set()
                 try:
                     reason = await connection.ended
                 finally:
                     self.connection = None
                     connection.close()
-                _log.debug("%s: the publisher at %s is gone: %s", self._topic, self._uri, reason)
+                _log.debug("%s: the publisher at %s is gone: %s", own.topic, self._uri, reason)
                 pause = FIRST_PAUSE if connection.received_messages or pause is None else pause
             except MismatchError as error:
                 self._tell(error)
@@ -82,9 +83,12 @@ class Source:
 
     def _tell(self, reason: object) -> None:
         """Once, as long as it stays the same; nothing of one that is on its way out."""
-        if self._told != str(reason) and not self._leaving:
-            self._told = str(reason)
-            _log.warning("%s gets no %s from %s: %s", self._node, self._topic, self._uri, reason)
+        own = self._subscriber
+        trouble = f"no messages of {own.topic} come from {self._uri}: {reason}"
+        if self.trouble != trouble and not self._leaving:
+            self.trouble = trouble
+            _log.warning("%s: %s", own.node, trouble)
+            own.on_trouble(trouble)
 
 
 class Subscriber:
@@ -93,9 +97,8 @@ class Subscriber:
     def __init__(
         self, node: str, topic: str, spec: TypeSpec, received: Received, closed: Callable[["Subscriber"], None]
     ) -> None:
-        self.topic, self.spec = topic, spec
-        self._node = node
-        self._received = received
+        self.node, self.topic, self.spec, self.received = node, topic, spec, received
+        self.on_trouble: Callable[[str], None] = lambda _: None  # a publisher cannot be reached: why, once
         self._closed = closed
         self._sources: dict[str, Source] = {}
         self._named = asyncio.Event()  # the master has named publishers, or none
@@ -113,6 +116,10 @@ class Subscriber:
         """The newest message of each latching publisher that is connected."""
         return [peer.latched for peer in self.peers().values() if peer.latched is not None]
 
+    def troubles(self) -> list[str]:
+        """Why publishers are not connected."""
+        return [source.trouble for source in self._sources.values() if source.trouble]
+
     def update(self, publishers: Iterable[str]) -> None:
         """The master names these publishers (URIs of their nodes), and no others."""
         self._named.set()
@@ -123,7 +130,7 @@ class Subscriber:
             if uri in self._sources:
                 self._sources[uri].name()
             else:
-                self._sources[uri] = Source(self._node, uri, self.topic, self.spec, self._received)
+                self._sources[uri] = Source(self, uri)
 
     async def settled(self) -> None:
         """Wait until each of the publishers that the master names at first is connected, or has failed once."""

@@ -2,6 +2,7 @@
 
 import json
 import time
+import xmlrpc.client
 from collections.abc import Callable
 from typing import Any
 
@@ -33,6 +34,37 @@ def test_each_subscription_of_a_client_gets_the_latched_message(client: Connect)
     for subscription in ("subscribe:/map:1", "subscribe:/map:2"):
         page.say("subscribe", topic="/map", type="std_msgs/String", id=subscription)
         assert page.hear()["msg"] == {"data": "the hall"}
+
+
+def test_who_comes_later_gets_the_last_message_of_each_page_that_latches(ros: RosSide, client: Connect) -> None:
+    one, other = client().operate(), client().operate()
+    for page, texts in ((one, "ab"), (other, "xy")):
+        page.say("advertise", topic="/latched_by_two", type="std_msgs/String", latch=True)
+        for text in texts:
+            page.say("publish", topic="/latched_by_two", msg={"data": text})
+        page.say("call_service", service="/rosapi/get_time")
+        page.hear()
+    ros.listen("/latched_by_two", "std_msgs/String")
+    until(lambda: {"data": "y"} in ros.heard("/latched_by_two"))
+    assert [message["data"] for message in ros.heard("/latched_by_two")] in (["b", "y"], ["a", "b", "x", "y"])
+    for _ in range(2):  # the first one opens the topic, the second one finds it open
+        later = client().operate()
+        later.say("subscribe", topic="/latched_by_two")
+        heard = [later.hear()["msg"]["data"]]
+        while heard[-1] != "y":
+            heard.append(later.hear()["msg"]["data"])
+        assert "b" in heard
+    one.close()
+
+    def is_left_with_one() -> bool:
+        last = client().operate()
+        last.say("subscribe", topic="/latched_by_two")
+        found = [last.hear()["msg"]["data"]]
+        while not last.hears_nothing_for_now():
+            found.append("more")
+        return found == ["y"]
+
+    until(is_left_with_one)
 
 
 def test_a_latched_message_ends_with_its_publisher(ros_master: RosMaster, client: Connect) -> None:
@@ -137,6 +169,20 @@ def test_what_the_ros_master_lists_can_be_published_and_heard(ros: RosSide, clie
     while answer["op"] == "publish":
         answer = page.hear()
     assert topic in answer["values"]["topics"]
+
+
+def test_a_publisher_that_cannot_be_reached_is_told_to_who_waits_for_it(ros_master: RosMaster, client: Connect) -> None:
+    with xmlrpc.client.ServerProxy(ros_master.uri) as master:
+        lost = "http://no-such-robot.invalid:4711/"
+        master.registerPublisher("/lost_robot", "/lost", "std_msgs/String", lost)
+        try:
+            for _ in range(2):  # the second one comes when it is known already
+                page = client().operate()
+                page.say("subscribe", topic="/lost")
+                told = page.hear_error()
+                assert told.startswith(f"no messages of /lost come from {lost}"), told
+        finally:
+            master.unregisterPublisher("/lost_robot", "/lost", lost)
 
 
 def test_requests_come_in_binary_messages_several_in_one_and_one_in_several(client: Connect) -> None:

@@ -191,7 +191,7 @@ def test_a_topic_of_another_type_is_not_received_and_it_is_said_once(
     with caplog.at_level(logging.WARNING, "tcpros"):
         run(scenario)
     (record,) = caplog.records
-    assert f"/ours gets no {topic} from http://" in record.getMessage()
+    assert f"/ours: no messages of {topic} come from http://" in record.getMessage()
     assert STRING.name in record.getMessage()
 
 

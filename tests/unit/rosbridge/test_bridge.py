@@ -32,7 +32,7 @@ def test_a_client_that_has_gone_while_a_throttled_message_waited_is_forgotten() 
         bridge.received(client, '{"op":"subscribe","topic":"/game_status","throttle_rate":1000000000,"queue_length":1}')
         (subscriber,) = node.subscribers()
         for _ in range(2):
-            subscriber._received(status.getvalue(), {})
+            subscriber.received(status.getvalue(), {})
         bridge.disconnected(client)
         forgotten = weakref.ref(client)
         del client
@@ -95,7 +95,7 @@ def test_who_unsubscribes_while_a_large_message_is_encoded_does_not_get_it(monke
             while len(list(bridge._graph.subscriptions("/map"))) < 2:  # the ROS master is asked for its type first
                 await asyncio.sleep(0.01)
             (subscriber,) = [each for each in node.subscribers() if each.topic == "/map"]
-            subscriber._received(large_map(), {})
+            subscriber.received(large_map(), {})
             bridge.received(client, '{"op":"unsubscribe","topic":"/map"}')
             encoded.set()
             while bridge._lines:

@@ -1,10 +1,12 @@
 """JSON to ROS messages and back."""
 
+import importlib
 import json
 import math
 import random
 import struct
 import sys
+import zlib
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
@@ -410,3 +412,25 @@ def test_a_service_takes_an_object_or_the_first_arguments_in_their_order(package
     for reason, args in refused.items():
         with pytest.raises(ConversionError, match=reason):
             service.pack_request(args, clock)
+
+
+@pytest.mark.parametrize("first", ["", "class Thing: pass\n", "class Thing(:\n", "import no_such_module\n"])
+def test_a_type_whose_file_was_half_written_is_looked_for_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, first: str
+) -> None:
+    package = f"half_written_{zlib.crc32(first.encode())}"
+    folder = tmp_path / package / "msg"
+    folder.mkdir(parents=True)
+    for init in (folder / "__init__.py", folder.parent / "__init__.py"):
+        init.touch()
+    written = folder / "_Thing.py"
+    written.write_text(first)
+    monkeypatch.syspath_prepend(tmp_path)
+    now = 0.0
+    types = Types(lambda: now)
+    with pytest.raises(ConversionError):
+        types.message(f"{package}/Thing")
+    whole = Path(str(importlib.import_module("std_msgs.msg._Int8").__file__)).read_text()
+    written.write_text(whole.replace("Int8", "Thing"))
+    now = 2.0
+    assert types.message(f"{package}/Thing").pack({"data": 3}, clock) == b"\x03"

@@ -23,6 +23,7 @@ from server.rosbridge.effects import (
     Replay,
     Response,
     Send,
+    Unlatch,
 )
 from server.rosbridge.outgoing import replied
 from server.rosbridge.protocol import AT_ONCE, Client
@@ -168,7 +169,7 @@ def test_topics_open_with_the_first_client_and_close_with_the_last(server: Serve
     assert opened.latch
     assert say(second, op="advertise", **topic) == []
     assert say(first, op="advertise", **topic) == []
-    assert say(first, op="unadvertise", topic="a") == []
+    assert say(first, op="unadvertise", topic="a") == [Unlatch("/a")]
     assert second.closed() == [ClosePublisher("/a")]
     (subscribed,) = say(first, op="subscribe", **topic)
     assert isinstance(subscribed, OpenSubscription)
