@@ -1,13 +1,21 @@
 """Declared settings: an environment variable's name, default, allowed values and meaning, in one place each."""
 
+import difflib
 import os
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, MutableMapping
 from dataclasses import dataclass
+from ipaddress import ip_address
 from typing import Any, Generic, TypeVar
 
 T = TypeVar("T")
+
+# white space, byte order marks and what else editors, spreadsheets and Windows leave around a value
+_AROUND = r"[\s\ufeff\u200b-\u200d\u2060\u00ad]+"
+# what Kubernetes adds for a Service whose name begins like our variables
+_KUBERNETES = re.compile(r".*_(SERVICE_(HOST|PORT)|PORT(_[0-9]+_(TCP|UDP))?)(_.*)?")
+_KNOWN: set[str] = set()  # the names of all that are declared
 
 LOG_LEVELS = ("debug", "info", "warning", "error")
 
@@ -32,13 +40,16 @@ class Variable(Generic[T]):
 
     def read(self, environ: Mapping[str, str], default: T | None = None) -> T:
         """Its value; unset or empty means the default (`default` before the declared one). SettingsError."""
-        text = environ.get(self.name)
-        if not text or text.isspace():
+        text = trimmed(environ.get(self.name, ""))
+        if not text:
             return self.default if default is None else default
         try:
             return self.parse(text)
         except ValueError as error:
-            raise SettingsError(f"{self.name}={text}: {error}") from None
+            raise SettingsError(f"{self.name}={shown(text)}: {error}") from None
+
+    def __post_init__(self) -> None:
+        _KNOWN.add(self.name)
 
 
 def whole(name: str, default: int, lowest: int, highest: int, text: str) -> Variable[int]:
@@ -99,6 +110,46 @@ def words(name: str, default: str, text: str, shown: str = "") -> Variable[str]:
     return Variable(name, default, text, str, shown or (f"`{default}`" if default else "none"))
 
 
+def trimmed(text: str) -> str:
+    """Without what nobody sees at its ends."""
+    return re.sub(f"^{_AROUND}|{_AROUND}$", "", text)
+
+
+def shown(text: str) -> str:
+    """With escapes for what nobody would see."""
+    return text if text.isprintable() else text.encode("unicode_escape").decode()
+
+
+def tidy(program: str, environ: MutableMapping[str, str]) -> None:
+    """Tell what is odd about the variables, once: the programs that this one starts find them tidied up. SettingsError
+    for an address that ROS could not use, and would only stumble over later."""
+
+    def tell(text: str) -> None:
+        print(f"{program}: {text}", file=sys.stderr, flush=True)
+
+    for name in [name for name in environ if name.startswith(("LASERBOT_", "ROS_"))]:
+        text = environ[name]
+        if trimmed(text) != text and text.strip(" "):
+            tell(f"{name}={shown(text)}: what cannot be seen at its ends is left out")
+        environ[name] = trimmed(text)
+        if name.startswith("LASERBOT_") and name not in _KNOWN and not _KUBERNETES.fullmatch(name):
+            nearest = difflib.get_close_matches(name, _KNOWN, 1)
+            tell(f"{name}: there is no such setting{f'; the nearest is {nearest[0]}' if nearest else ''}")
+            del environ[name]
+    _check_address(environ)
+
+
+def _check_address(environ: Mapping[str, str]) -> None:
+    own, name = environ.get("ROS_IP", ""), environ.get("ROS_HOSTNAME", "")
+    try:
+        if own:
+            ip_address(own)
+    except ValueError:
+        raise SettingsError(f"ROS_IP={shown(own)}: must be one IP address of this machine") from None
+    if name and not re.fullmatch(r"[\w.:-]+", name):
+        raise SettingsError(f"ROS_HOSTNAME={shown(name)}: must be a name or an address of this machine, and no more")
+
+
 def describe(*variables: Variable[Any]) -> str:
     """The variables for a program's `--help`, a line each."""
     width = max(len(variable.name) for variable in variables)
@@ -109,6 +160,7 @@ def describe(*variables: Variable[Any]) -> str:
 def read_or_exit(program: str, read: Callable[[Mapping[str, str]], T], environ: Mapping[str, str] = os.environ) -> T:
     """`read` the environment; a wrong value ends the program with one line and exit code 2."""
     try:
+        tidy(program, os.environ)
         return read(environ)
     except SettingsError as error:
         print(f"{program}: {error}", file=sys.stderr)

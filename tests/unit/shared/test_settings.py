@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from laser_bot_battle import variables
-from laser_bot_battle.settings import SettingsError, describe, read_or_exit
+from laser_bot_battle.settings import SettingsError, describe, read_or_exit, tidy
 
 BY_NAME = {variable.name: variable for variable in (*variables.LASERBOT, variables.ROS_MASTER_URI)}
 
@@ -99,3 +99,52 @@ def test_a_wrong_value_ends_a_program_with_one_line_and_exit_code_2(
         read_or_exit("the.program", variables.WEB.read)
     assert end.value.code == 2
     assert capsys.readouterr().err == "the.program: LASERBOT_WEB_PORT=x: must be a whole number from 1 to 65535\n"
+
+
+@pytest.mark.parametrize("text", ["80\r", "\ufeff80", " 80\n", "\u200b80\u00a0"])
+def test_what_nobody_sees_around_a_value_is_left_out_and_told(text: str, capsys: pytest.CaptureFixture[str]) -> None:
+    environ = {"LASERBOT_WEB_PORT": text}
+    assert variables.WEB.read(environ) == 80
+    tidy("program", environ)
+    assert environ == {"LASERBOT_WEB_PORT": "80"}
+    told = capsys.readouterr().err
+    assert told.startswith("program: LASERBOT_WEB_PORT=")
+    assert told.rstrip("\n").isprintable()
+    tidy("child", environ)
+    assert capsys.readouterr().err == ""
+
+
+def test_what_nobody_sees_within_a_value_is_shown() -> None:
+    with pytest.raises(SettingsError) as error:
+        variables.WEB.read({"LASERBOT_WEB_PORT": "8\u200b0"})
+    assert "LASERBOT_WEB_PORT=8\\u200b0: " in str(error.value)
+
+
+def test_a_setting_that_there_is_not_is_told_with_the_nearest_once(capsys: pytest.CaptureFixture[str]) -> None:
+    environ = {"LASERBOT_BATLE_LIMIT": "60", "LASERBOT_WEB_SERVICE_HOST": "10.0.0.1", "LASERBOT_X": "", "OTHER": "x"}
+    tidy("program", environ)
+    first, second = capsys.readouterr().err.splitlines()
+    assert first == "program: LASERBOT_BATLE_LIMIT: there is no such setting; the nearest is LASERBOT_BATTLE_LIMIT"
+    assert second.startswith("program: LASERBOT_X: there is no such setting")
+    tidy("child", environ)
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("ROS_IP", "10.0.0.1 10.0.0.2"),
+        ("ROS_IP", "raspberrypi1.local"),
+        ("ROS_HOSTNAME", "http://master"),
+        ("ROS_HOSTNAME", "two names"),
+    ],
+)
+def test_an_address_that_ros_cannot_use_is_named(name: str, text: str) -> None:
+    with pytest.raises(SettingsError, match=f"{name}={text}: must be"):
+        tidy("program", {name: text})
+
+
+def test_addresses_that_ros_can_use_stay() -> None:
+    environ = {"ROS_IP": "", "ROS_HOSTNAME": "raspberrypi1.local"}
+    for own in ("10.0.0.1", "fe80::1", ""):
+        tidy("program", {**environ, "ROS_IP": own})
