@@ -206,7 +206,8 @@ def test_a_lamp_flickers_100_times_a_second_for_a_phototransistor(tmp_path: Path
         link.hello()
         link.send("lamp 1\n")
         until(lambda: len(edges(robot, "light")) > 20, 5, "light")
-        assert durations(robot, "light") == pytest.approx([5 * MS] * len(durations(robot, "light")), abs=300)
+        found = durations(robot, "light")  # more come meanwhile
+        assert found == pytest.approx([5 * MS] * len(found), abs=300)
         arena.close()
         until(lambda: robot.now - edges(robot, "light")[-1][0] > 50 * MS, 5, "the lamp has gone with the arena")
         assert not edges(robot, "light")[-1][1]

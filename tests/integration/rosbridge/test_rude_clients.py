@@ -20,8 +20,6 @@ Connect = Callable[..., Client]
 
 
 RUBBISH = {
-    "empty": "",
-    "half": "{",
     "list": "[1, 2]",
     "null": "null",
     "string": '"op"',
@@ -38,6 +36,20 @@ def test_rubbish_gets_an_error_and_the_connection_stays(client: Connect, rubbish
     rude = client()
     rude.socket.send(rubbish)
     rude.hear_error()
+    goes_on(rude)
+
+
+@pytest.mark.parametrize("beginning", ["", "{", "\ufeff", '{"op": "publish", "topic": "/cut'])
+def test_what_comes_behind_nothing_or_half_a_request_is_heard(client: Connect, beginning: str) -> None:
+    rude = client()
+    rude.socket.send(beginning)
+    rude.say("status", level="info", msg="it is me")
+    if "{" in beginning:
+        assert "skipped" in rude.hear_error()
+    goes_on(rude)
+
+
+def goes_on(rude: Client) -> None:
     rude.operate().say("advertise", topic="/rude", type="std_msgs/String", latch=True)
     rude.say("subscribe", topic="/rude", type="std_msgs/String")
     rude.say("publish", topic="/rude", msg={"data": "still here"})
@@ -68,7 +80,7 @@ def test_the_log_is_not_flooded(rosbridge: Rosbridge, client: Connect) -> None:
     rude = client()
     before = len(rosbridge.program.output.splitlines())
     for _ in range(500):
-        rude.socket.send("rubbish")
+        rude.socket.send('{"op": rubbish}')
     for _ in range(500):
         rude.hear_error()
     assert len(rosbridge.program.output.splitlines()) - before < 50

@@ -53,7 +53,7 @@ def test_two_arenas_have_one_leaderboard_and_each_its_own_battle(
     for victim, listener in zip(victims, heard, strict=True):
         until(partial(hit_counts, victim, listener), 20, "the robot's hits are heard again")
     for server in (red, blue):
-        until(partial(has_leaderboard, server, [("ann", 2), ("bob", 0), ("cyd", 0)]), 5, "both battles count")
+        until(partial(has_leaderboard, server, [("ann", 2), ("bob", 0), ("cyd", 0)]), 20, "both battles count")
     for page in pages:
         page.close()
 
