@@ -13,8 +13,8 @@ T = TypeVar("T")
 
 # white space, byte order marks and what else editors, spreadsheets and Windows leave around a value
 _AROUND = r"[\s\ufeff\u200b-\u200d\u2060\u00ad]+"
-# what Kubernetes adds for a Service whose name begins like our variables
-_KUBERNETES = re.compile(r".*_(SERVICE_(HOST|PORT)|PORT(_[0-9]+_(TCP|UDP))?)(_.*)?")
+# what Kubernetes adds for a Service whose name begins like our variables, and more of that beginning
+_OF_A_SERVICE = "_SERVICE_HOST"
 _KNOWN: set[str] = set()  # the names of all that are declared
 
 LOG_LEVELS = ("debug", "info", "warning", "error")
@@ -127,12 +127,13 @@ def tidy(program: str, environ: MutableMapping[str, str]) -> None:
     def tell(text: str) -> None:
         print(f"{program}: {text}", file=sys.stderr, flush=True)
 
+    services = tuple(name.removesuffix(_OF_A_SERVICE) + "_" for name in environ if name.endswith(_OF_A_SERVICE))
     for name in [name for name in environ if name.startswith(("LASERBOT_", "ROS_"))]:
         text = environ[name]
         if trimmed(text) != text and text.strip(" "):
             tell(f"{name}={shown(text)}: what cannot be seen at its ends is left out")
         environ[name] = trimmed(text)
-        if name.startswith("LASERBOT_") and name not in _KNOWN and not _KUBERNETES.fullmatch(name):
+        if name.startswith("LASERBOT_") and name not in _KNOWN and not name.startswith(services):
             nearest = difflib.get_close_matches(name, _KNOWN, 1)
             tell(f"{name}: there is no such setting{f'; the nearest is {nearest[0]}' if nearest else ''}")
             del environ[name]

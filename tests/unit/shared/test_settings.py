@@ -121,11 +121,13 @@ def test_what_nobody_sees_within_a_value_is_shown() -> None:
 
 
 def test_a_setting_that_there_is_not_is_told_with_the_nearest_once(capsys: pytest.CaptureFixture[str]) -> None:
-    environ = {"LASERBOT_BATLE_LIMIT": "60", "LASERBOT_WEB_SERVICE_HOST": "10.0.0.1", "LASERBOT_X": "", "OTHER": "x"}
+    service = {f"LASERBOT_MASTER_{name}": "10.0.0.1" for name in ("SERVICE_HOST", "PORT", "PORT_80_TCP_ADDR")}
+    environ = {"LASERBOT_BATLE_LIMIT": "60", "LASERBOT_WEBB_PORT": "", "OTHER": "x", **service}
     tidy("program", environ)
+    assert environ == {"OTHER": "x", **service}
     first, second = capsys.readouterr().err.splitlines()
     assert first == "program: LASERBOT_BATLE_LIMIT: there is no such setting; the nearest is LASERBOT_BATTLE_LIMIT"
-    assert second.startswith("program: LASERBOT_X: there is no such setting")
+    assert second.endswith("LASERBOT_WEBB_PORT: there is no such setting; the nearest is LASERBOT_WEB_PORT")
     tidy("child", environ)
     assert capsys.readouterr().err == ""
 
