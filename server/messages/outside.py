@@ -162,10 +162,11 @@ def serve(connection: BinaryIO) -> None:
         work, arguments = pickle.loads(request, buffers=long)
         try:
             result = work(*arguments)
+            kind, answer = (BYTES, result) if isinstance(result, bytes) else (RESULT, pickle.dumps(result))
         except (RequestError, ConversionError) as error:
             kind, answer = ERROR, pickle.dumps(error)
-        else:
-            kind, answer = (BYTES, result) if isinstance(result, bytes) else (RESULT, pickle.dumps(result))
+        except RecursionError:
+            kind, answer = ERROR, pickle.dumps(RequestError("a value is nested too deeply"))
         connection.write(_ANSWER.pack(kind, len(answer)))
         connection.write(answer)
         connection.flush()

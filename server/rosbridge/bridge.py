@@ -210,7 +210,7 @@ class Bridge:
     async def _read(self, client: Client, effect: Read) -> Sequence[Effect]:
         try:
             client.take(*await self.outside.do(read, client.stream, effect.data, *self._known(client)))
-        except RuntimeError as error:
+        except (RequestError, RuntimeError) as error:
             return client.report("error", str(error), self._loop.time())
         return []
 

@@ -268,6 +268,16 @@ def test_what_is_wrong_with_a_large_request_is_told(client: Connect, request_: d
     assert wrong.hear()["id"] == "goes on"
 
 
+def test_what_is_nested_too_deeply_to_be_handed_back_is_told(rosbridge: Rosbridge, client: Connect) -> None:
+    wrong = client().operate()
+    deep = '{"a":' * 900 + "1" + "}" * 900
+    wrong.socket.send(deep + deep)  # exactly one would be read at once
+    assert "nested too deeply" in wrong.hear_error()
+    wrong.say("call_service", service="/rosapi/get_time", id="goes on")
+    assert wrong.hear()["id"] == "goes on"
+    assert "Traceback" not in rosbridge.program.output
+
+
 def say_in(wrapper: str, client: Client, **request: object) -> None:
     text = json.dumps(request)
     if wrapper == "png":
