@@ -11,6 +11,7 @@ import pytest
 from tests.integration.rosbridge.ends import Client, RosSide
 from tests.integration.tcpros.ends import RospyPeer
 from tests.support.polling import until
+from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
 
@@ -173,7 +174,7 @@ def test_what_the_ros_master_lists_can_be_published_and_heard(ros: RosSide, clie
 
 def test_a_publisher_that_cannot_be_reached_is_told_to_who_waits_for_it(ros_master: RosMaster, client: Connect) -> None:
     with xmlrpc.client.ServerProxy(ros_master.uri) as master:
-        lost = "http://no-such-robot.invalid:4711/"
+        lost = f"http://127.0.0.1:{free_port()}/"
         master.registerPublisher("/lost_robot", "/lost", "std_msgs/String", lost)
         try:
             for _ in range(2):  # the second one comes when it is known already
