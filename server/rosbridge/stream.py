@@ -53,9 +53,10 @@ class RequestStream:
         if self._text or len(data) > self._long or not isinstance(data, str):
             return None
         try:
-            return self._request(parse(data))
+            fields = parse(data)
         except RequestError:
             return None
+        return self._request(fields) if "op" in fields else None
 
     def feed(self, data: str | bytes) -> list[Found]:
         """What has become complete, in order."""
@@ -95,7 +96,7 @@ class RequestStream:
         text = text.strip(AROUND)
         if text and not self._told:
             self._told = True
-            found.append(RequestError(f"a request is a JSON object; skipped {brief(text)}"))
+            found.append(RequestError(f"a request is a JSON object with an op; skipped {brief(text)}"))
 
     def _find(self, found: list[Found]) -> bool:
         """Look on. Whether something was found, or skipped."""
@@ -117,9 +118,12 @@ class RequestStream:
             found.append(whole)
         else:
             try:
-                found.append(self._request(parse(whole)))
+                fields = parse(whole)
             except RequestError as error:
                 found.append(error)
+            else:
+                # behind a list that was cut there may be thousands of others: an answer to each would be a flood
+                self._skip(whole, found) if "op" not in fields else found.append(self._request(fields))
         self._begin(end)
         return True
 

@@ -270,7 +270,7 @@ def test_what_is_wrong_with_a_large_request_is_told(client: Connect, request_: d
 
 def test_what_is_nested_too_deeply_to_be_handed_back_is_told(rosbridge: Rosbridge, client: Connect) -> None:
     wrong = client().operate()
-    deep = '{"a":' * 900 + "1" + "}" * 900
+    deep = '{"op":"x","a":' + '{"a":' * 900 + "1" + "}" * 901
     wrong.socket.send(deep + deep)  # exactly one would be read at once
     assert "nested too deeply" in wrong.hear_error()
     wrong.say("call_service", service="/rosapi/get_time", id="goes on")

@@ -19,7 +19,7 @@ values = st.recursive(
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=3), inner, max_size=3),
     max_leaves=5,
 )
-requests = st.dictionaries(st.text(max_size=3), values, max_size=3)
+requests = st.dictionaries(st.text(max_size=3), values, max_size=3).map(lambda fields: {**fields, "op": "x"})
 between = st.text(alphabet="\ufeff\0\x1e \t\r\n", max_size=3)
 places = st.lists(st.integers(0, 10**6), max_size=8)  # to cut at
 rubbish = st.text(alphabet='abc{}[]":,\\1 ', max_size=12)
@@ -96,6 +96,12 @@ def test_a_request_behind_rubbish_is_found_and_the_rubbish_told_once(rubbish_: s
         assert request == json.loads(REQUEST), whole
         assert len(errors) == 1, shown(errors)
         assert "skipped" in str(errors[0])
+
+
+def test_objects_without_an_op_are_told_once() -> None:
+    (error, request) = stream().feed("{}" * 1000 + REQUEST)
+    assert "with an op; skipped" in str(error)
+    assert request == json.loads(REQUEST)
 
 
 def test_an_object_that_is_not_json_is_told_and_the_next_one_found() -> None:
