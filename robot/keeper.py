@@ -12,7 +12,6 @@ import os
 import select
 import signal
 import sys
-import threading
 import time
 from types import FrameType
 
@@ -20,6 +19,7 @@ from laser_bot_battle.backoff import STEADY, Backoff
 
 BEAT = 1.0  # s
 MISSED = 4  # beats in a row; they are counted, so that a machine that stood still finds nobody guilty
+POLL = 0.05  # s
 LONGEST_PAUSE = 5.0  # s before the next start
 
 _BEATS, _RESTS = b"b", b"r"
@@ -57,7 +57,7 @@ def keep_going() -> Heart:
 class _Keeper:
     def __init__(self) -> None:
         self._worker = 0
-        self._ends = threading.Event()
+        self._ends = False
 
     def keep(self) -> Heart:
         backoff = Backoff(LONGEST_PAUSE)
@@ -74,14 +74,17 @@ class _Keeper:
             os.close(pipe)
             code = os.waitstatus_to_exitcode(os.waitpid(self._worker, 0)[1])
             self._worker = 0
-            if self._ends.is_set() or code >= 0:
+            if self._ends or code >= 0:
                 sys.exit(max(code, 0))
             if time.monotonic() - began >= STEADY:
                 backoff.worked()
             pause = backoff.failed()
             _log.error("the program was ended by signal %d: it is started again in %.1f s", -code, pause)
-            if self._ends.wait(pause):
-                sys.exit()
+            again_at = time.monotonic() + pause
+            while time.monotonic() < again_at:
+                if self._ends:
+                    sys.exit()
+                time.sleep(POLL)
 
     def _fork(self) -> int:
         """0 in the worker, which dies with its keeper and has a process group of its own: Ctrl-C reaches only the
@@ -118,6 +121,6 @@ class _Keeper:
                     beats = False
 
     def _pass_on(self, number: int, _frame: FrameType | None) -> None:
-        self._ends.set()
+        self._ends = True  # no Event: its lock may be held by what the handler interrupts
         if self._worker:
             os.kill(self._worker, number)

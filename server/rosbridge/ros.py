@@ -84,6 +84,9 @@ class TopicPublisher:
     def unlatch(self, source: Hashable) -> None:
         self._publisher.unlatch(source)
 
+    def orphan(self) -> None:
+        self._publisher.orphan()
+
     def latched(self) -> list[bytes]:
         return self._publisher.latched()
 
@@ -123,6 +126,7 @@ class Ros:
         self._publishers[topic].unlatch(source)
 
     def close_publisher(self, topic: str) -> None:
+        self._publishers[topic].orphan()
         self._publishers[topic].closing = self._loop.call_later(LINGER, self._close_publisher, topic)
 
     def open_subscription(self, topic: str, message_type: MessageType) -> None:

@@ -122,8 +122,10 @@ class RequestStream:
             except RequestError as error:
                 found.append(error)
             else:
-                # behind a list that was cut there may be thousands of others: an answer to each would be a flood
-                self._skip(whole, found) if "op" not in fields else found.append(self._request(fields))
+                if "op" in fields:
+                    found.append(self._request(fields))
+                else:  # behind a list that was cut there may be thousands: an answer to each would be a flood
+                    self._skip(whole, found)
         self._begin(end)
         return True
 

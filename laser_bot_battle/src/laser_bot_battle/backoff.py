@@ -7,9 +7,9 @@ STEADY = 10.0  # s; what has worked for so long has not failed at its start
 class Backoff:
     """Twice as long after each failure, `most` s in the end."""
 
-    def __init__(self, most: float, first: float = FIRST) -> None:
+    def __init__(self, most: float) -> None:
         self._most = most
-        self._first = self._next = min(first, most)
+        self._next = min(FIRST, most)
 
     def failed(self) -> float:
         """For how many s to wait after one more failure."""
@@ -18,4 +18,4 @@ class Backoff:
 
     def worked(self) -> None:
         """The attempt has held for a while: the next failure is the first."""
-        self._next = self._first
+        self._next = min(FIRST, self._most)

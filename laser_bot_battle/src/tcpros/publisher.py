@@ -66,6 +66,7 @@ class Publisher:
             self._loop.call_soon(self._flush)
         self._turn.append(frame)
         if self.latch:
+            self._latched.pop(None, None)  # that of the sources before
             self._latched.pop(source, None)
             self._latched[source] = frame
             if len(self._latched) > MOST_LATCHED:
@@ -74,6 +75,11 @@ class Publisher:
     def unlatch(self, source: Hashable) -> None:
         """That source is gone."""
         self._latched.pop(source, None)
+
+    def orphan(self) -> None:
+        """All sources are gone. The newest message stays until there is another one."""
+        if self._latched:
+            self._latched = {None: self._latched.popitem()[1]}
 
     def latched(self) -> list[bytes]:
         """The messages that newcomers get, without their lengths."""

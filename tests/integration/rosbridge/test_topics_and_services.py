@@ -68,6 +68,24 @@ def test_who_comes_later_gets_the_last_message_of_each_page_that_latches(ros: Ro
     until(is_left_with_one)
 
 
+def test_a_page_that_is_loaded_again_latches_one_message(client: Connect) -> None:
+    for text in "abc":
+        page = client().operate()
+        page.say("advertise", topic="/loaded_again", type="std_msgs/String", latch=True)
+        page.say("publish", topic="/loaded_again", msg={"data": text})
+        page.say("call_service", service="/rosapi/get_time")
+        page.hear()
+        if text != "c":
+            page.close()
+    opener, later = client().operate(), client().operate()
+    opener.say("subscribe", topic="/loaded_again")
+    while opener.hear()["msg"]["data"] != "c":
+        pass
+    later.say("subscribe", topic="/loaded_again")
+    assert later.hear()["msg"]["data"] == "c"
+    assert later.hears_nothing_for_now()
+
+
 def test_a_latched_message_ends_with_its_publisher(ros_master: RosMaster, client: Connect) -> None:
     first = client().operate()
     first.say("subscribe", topic="/goal", type="std_msgs/String")
