@@ -1,11 +1,10 @@
 """Who is served next. What a battle lives on never waits for what people look at, nor one address for another.
 
 Each lane has threads of its own. Within a lane the addresses take turns, a request each, and none has more than RATE
-turns a second, nor all together more than ALL: who asks a thousand times waits for himself.
+turns a second: who asks a thousand times waits for himself.
 """
 
 import logging
-import math
 import threading
 import time
 from collections import OrderedDict, deque
@@ -26,8 +25,6 @@ class Lane(Enum):
 
 
 RATE, BURST = 100, 200  # requests/s of one address in a lane: a hall may share one; and at once
-# requests/s of all addresses: what more would cost, the game's own threads would wait for
-ALL = {Lane.ROBOTS: math.inf, Lane.PLAYERS: 400.0, Lane.LISTS: 250.0, Lane.PAGES: 300.0}
 THREADS = {Lane.ROBOTS: 2, Lane.PLAYERS: 3, Lane.LISTS: 2, Lane.PAGES: 4}
 
 
@@ -44,7 +41,7 @@ class Lanes:
 
     def __init__(self, place: Callable[[Task], tuple[Lane, str | None]], threads: Mapping[Lane, int] = THREADS) -> None:
         self._place = place
-        self._queues = {lane: _Queue(ALL[lane]) for lane in threads}
+        self._queues = {lane: _Queue() for lane in threads}
         self._threads = [
             threading.Thread(target=self._work, args=[self._queues[lane]], name=f"web {lane.name.lower()}", daemon=True)
             for lane, count in threads.items()
@@ -76,9 +73,7 @@ class Lanes:
 class _Queue:
     """Tasks by owner; the owner whose turn was longest ago comes first."""
 
-    def __init__(self, rate: float) -> None:
-        self._period = 1 / rate
-        self._due = 0.0  # monotonic s; nobody is served before
+    def __init__(self) -> None:
         self._changed = threading.Condition()
         self._waiting: OrderedDict[str | None, deque[Task]] = OrderedDict()
         self._turns = TokenBuckets(BURST, 1 / RATE)
@@ -94,14 +89,10 @@ class _Queue:
         with self._changed:
             while not self._is_closed:
                 now = time.monotonic()
-                if now < self._due:
-                    self._changed.wait(self._due - now)
-                    continue
                 soonest = None
                 for owner, tasks in self._waiting.items():
                     pause = 0.0 if owner is None else self._turns.take(owner, now)
                     if not pause:
-                        self._due = max(self._due, now - BURST * self._period) + self._period
                         return self._take(owner, tasks)
                     soonest = pause if soonest is None else min(pause, soonest)
                 self._changed.wait(soonest)
