@@ -19,6 +19,7 @@ from robot import keeper
 keeper.BEAT = 0.05
 configure_logging("info")
 heart = keeper.keep_going()
+BEGIN
 os.write(1, f"worker {os.getpid()}\\n".encode())  # in one piece: the keeper logs into the same file
 END = time.monotonic() + 20
 while time.monotonic() < END:
@@ -30,8 +31,11 @@ BEATS, RESTS, ENDS = "heart.beat()", "heart.rest()", "sys.exit(3)"
 
 class Kept(Program):
     def __init__(self, work: str) -> None:
+        begin = work if work != ENDS else ""  # before it is stopped, the keeper knows what to expect
         path = f"{ROOT}:{ROOT / 'build' / 'python'}"
-        super().__init__([sys.executable, "-c", WORKER.replace("WORK", work)], {"PYTHONPATH": path})
+        super().__init__(
+            [sys.executable, "-c", WORKER.replace("BEGIN", begin).replace("WORK", work)], {"PYTHONPATH": path}
+        )
 
     def workers(self) -> list[int]:
         """Process IDs of all that there have been."""
