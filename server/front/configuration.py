@@ -8,7 +8,9 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from server.front.settings import FrontSettings
 
 HERE = Path(__file__).parent
-RATE, AT_ONCE = 50, 200  # requests/s of one address; a page that loads asks for some 40 files, a page that plays for 2
+RATE = 50  # requests/s of one address; a page that plays asks for 2
+# and at once; files come from the front's own memory, all else could be many addresses' and fill the server's places
+AT_ONCE, FILES_AT_ONCE = 50, 200  # a page that loads asks for some 40 files
 # of one address at once; a hall's visitors may share one
 CONNECTIONS = 300
 WAITING = 400  # requests that are held back till their turn: all of those connections, for a refusal begets the next
@@ -29,6 +31,7 @@ def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
         connections=CONNECTIONS,
         rate=RATE,
         at_once=AT_ONCE,
+        files_at_once=FILES_AT_ONCE,
         waiting=WAITING,
         host=_here(settings),
         view_host=_bracketed(settings.view_host) if settings.view_host else _here(settings),

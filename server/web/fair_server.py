@@ -3,6 +3,7 @@
 waitress takes no connection while all its places are in use, and forgets a silent one after minutes. Here a newcomer
 always gets a place: an address that has more than its share, or the one that has the most when all are taken, loses the
 one of them that has waited longest for a complete request. A request that is not complete in time is not waited for.
+Proxies have places of their own: they share them out among their visitors.
 """
 
 import socket
@@ -16,15 +17,17 @@ from waitress.channel import HTTPChannel
 from waitress.parser import HTTPRequestParser, ParsingError
 from waitress.server import TcpWSGIServer
 
+from laser_bot_battle.open_files import allow_files
 from laser_bot_battle.proxies import FORWARDED, THIS_MACHINE, Network, is_proxy, visitor
 from server.web.lanes import Lane, Lanes, Task
 
-PLACES = 500  # connections
+PLACES, PROXIED = 500, 1500  # connections of visitors themselves, and of proxies; the front holds slow visitors back
 SHARE = 100  # of one address that is no proxy
 REQUEST_WITHIN = 10.0  # s from the first byte, or from the connection, to the whole request
 _IDLE = 30  # s without a further request
 _AT_ONCE = 50  # connections that are taken in a turn of the loop
-_SPARE = 50  # files of waitress' own, and connections that are just being closed
+_SPARE = 50  # connections that are just being closed
+_FILES = 200  # of all else in this process
 _FORWARDED = FORWARDED.upper().replace("-", "_")  # as waitress calls it
 
 
@@ -99,7 +102,7 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
         proxies: Sequence[Network] = (),
     ) -> None:
         adjustments = Adjustments(
-            connection_limit=PLACES + _SPARE,
+            connection_limit=PLACES + PROXIED + _SPARE,
             channel_timeout=_IDLE,
             cleanup_interval=1,
             asyncore_use_poll=True,  # select() ends at 1024 files
@@ -109,8 +112,9 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
             log_socket_errors=False,  # a visitor who goes away is no failure of ours
         )
         self._lane, self._proxies = lane, proxies
-        self._channels_of: dict[str, dict[_Channel, None]] = {}  # by address
+        self._visitors, self._proxied = _Places(PLACES, SHARE), _Places(PROXIED, PROXIED)
         self._has_come = False
+        allow_files(PLACES + PROXIED + _SPARE + _FILES)
         super().__init__(
             application,
             channels,
@@ -132,24 +136,15 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
             super().handle_accept()
             if not self._has_come:
                 return
-            self._make_room(next(reversed(self.active_channels.values())))
+            newcomer = next(reversed(self.active_channels.values()))
+            self._places_of(newcomer).take(newcomer)
 
     def forget(self, channel: _Channel) -> None:
         """It is closed."""
-        others = self._channels_of.get(channel.address)
-        if others is not None:
-            others.pop(channel, None)
-            if not others:
-                del self._channels_of[channel.address]
+        self._places_of(channel).leave(channel)
 
-    def _make_room(self, newcomer: _Channel) -> None:
-        address = newcomer.address
-        self._channels_of.setdefault(address, {})[newcomer] = None
-        if len(self.active_channels) > PLACES:
-            address = max(self._channels_of, key=lambda one: len(self._channels_of[one]))
-        elif len(self._channels_of[address]) <= SHARE or is_proxy(address, self._proxies):
-            return
-        min(self._channels_of[address], key=lambda one: (not one.is_idle, one.waits_since)).handle_close()
+    def _places_of(self, channel: _Channel) -> "_Places":
+        return self._proxied if is_proxy(channel.address, self._proxies) else self._visitors
 
     def _place(self, task: Task) -> tuple[Lane, str | None]:
         """Which lane it is in, and whose it is; None: this machine's."""
@@ -169,3 +164,32 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
         for channel in list(self.active_channels.values()):
             if channel.is_late(now):
                 channel.will_close = True
+
+
+class _Places:
+    """So many connections there may be, and so many of one address."""
+
+    def __init__(self, places: int, share: int) -> None:
+        self._limit, self._share = places, share
+        self._channels_of: dict[str, dict[_Channel, None]] = {}  # by address
+        self._taken = 0
+
+    def take(self, newcomer: _Channel) -> None:
+        """Another one may have to go."""
+        address = newcomer.address
+        self._channels_of.setdefault(address, {})[newcomer] = None
+        self._taken += 1
+        if self._taken > self._limit:
+            address = max(self._channels_of, key=lambda one: len(self._channels_of[one]))
+        elif len(self._channels_of[address]) <= self._share:
+            return
+        min(self._channels_of[address], key=lambda one: (not one.is_idle, one.waits_since)).handle_close()
+
+    def leave(self, channel: _Channel) -> None:
+        """It is closed; once more changes nothing."""
+        others = self._channels_of.get(channel.address, {})
+        if channel in others:
+            del others[channel]
+            self._taken -= 1
+        if not others:
+            self._channels_of.pop(channel.address, None)

@@ -194,6 +194,14 @@ def test_who_has_few_places_keeps_them(server: GameServer, connect, many_files) 
         assert visitor.getresponse().status == 200
 
 
+def test_visitors_of_a_proxy_lose_no_places_to_others(server: GameServer, connect, many_files) -> None:
+    proxied = [connect("127.0.0.1") for _ in range(LIMIT + 50)]
+    for number in range(LIMIT + 50):
+        connect(f"127.0.0.{2 + number % 6}")
+    request = b"GET /about HTTP/1.1\r\nHost: a\r\nConnection: close\r\n\r\n"
+    assert answer(proxied[0], request).startswith(b"HTTP/1.1 200")
+
+
 class Source(HTTPAdapter):
     """Requests from another loopback address."""
 
