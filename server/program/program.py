@@ -22,6 +22,7 @@ _log = logging.getLogger(__name__)
 
 _END_WITHIN = 1.8  # s
 _SIGNALS = {signal.SIGINT, signal.SIGTERM}
+_NO_MORE = b"\0"
 
 
 def read_arguments(
@@ -70,12 +71,15 @@ class ProgramSettings:
 
 
 class Program:
-    """The ROS node `name` while its program runs. A signal ends it with exit code 0, and `fail` with 1."""
+    """The ROS node `name` while its program runs. A signal ends it with exit code 0, and `fail` with 1; after
+    `begin_anew` another one runs in the same process."""
 
     def __init__(self, name: str, settings: ProgramSettings) -> None:
         self.name = name
         self.settings = settings
+        self._environment = dict(os.environ)
         self._exit_code = 0
+        self._begins_anew = False
         self.ending = threading.Event()
 
     def run(self, serve: Callable[[socket.socket], AbstractContextManager[None]]) -> int:
@@ -90,7 +94,9 @@ class Program:
         signal.set_wakeup_fd(written.fileno())
         for number in _SIGNALS:
             signal.signal(number, lambda *_: None)
-        threading.Thread(target=self._obey, args=[signals, written], name="signals", daemon=True).start()
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+        obeying = threading.Thread(target=self._obey, args=[signals, written], name="signals", daemon=True)
+        obeying.start()
         bind, port = self.settings.bind, self.settings.port
         try:
             listener = _bind(bind, port)
@@ -106,13 +112,25 @@ class Program:
         threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
         with listener:
             self._live(serve, listener)
-        return self._exit_code
+        # a signal from here on is for the next program in this process, whose mask is this one
+        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+        written.send(_NO_MORE)
+        obeying.join()
+        return self._leave()
 
     def fail(self, reason: str) -> None:
         """End the program with 1, so that its supervisor, if it has one, starts it again. From any thread."""
         if not self.ending.is_set():
             _log.error("%s: the program ends, for its supervisor to start it again", reason)
             self._exit_code = 1
+            self.ending.set()
+
+    def begin_anew(self, reason: str) -> None:
+        """End the program, and start it again in this process: the world has changed, and the program is not at fault,
+        so its supervisor need not count a failure and wait. From any thread."""
+        if not self.ending.is_set():
+            _log.warning("%s: the program begins anew", reason)
+            self._begins_anew = True
             self.ending.set()
 
     def start_thread(self, name: str, work: Callable[[], object]) -> threading.Thread:
@@ -133,10 +151,10 @@ class Program:
         master = Master(self.settings.master_uri, self.name)
         if not master.wait(self.ending):
             return
-        watch = MasterWatch(master, self.fail)
+        watch = MasterWatch(master, self.begin_anew, self.fail)
         try:
             watch.start()
-            settle(self.settings.bind, self.settings.master_uri, self.ending, self.fail)
+            settle(self.settings.bind, self.settings.master_uri, self.ending, self.begin_anew)
             with serve(listener):
                 self.ending.wait()
         except OSError as error:
@@ -145,15 +163,22 @@ class Program:
         watch.stop()
 
     def _obey(self, signals: socket.socket, _written: socket.socket) -> None:
-        while signals.recv(1)[0] not in _SIGNALS:
-            pass
-        self.ending.set()
+        while (number := signals.recv(1)) != _NO_MORE:
+            if number[0] in _SIGNALS:
+                self._begins_anew = False
+                self.ending.set()
 
     def _end_in_time(self) -> None:
         """A master that hangs must not hold us when we are to end."""
         self.ending.wait()
         time.sleep(_END_WITHIN)
-        os._exit(self._exit_code)
+        os._exit(self._leave())
+
+    def _leave(self) -> int:
+        """The exit code, unless the program begins anew."""
+        if self._begins_anew:
+            os.execve(sys.executable, sys.orig_argv, self._environment)
+        return self._exit_code
 
 
 def _bind(address: str, port: int) -> socket.socket:

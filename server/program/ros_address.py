@@ -18,8 +18,8 @@ PERIOD = 1.0  # s between two looks at this machine's addresses
 _log = logging.getLogger(__name__)
 
 
-def settle(bind: str, master_uri: str, ending: threading.Event, fail: Callable[[str], None]) -> None:
-    """Set ROS_IP unless an address is set; from then on call `fail` when it is no longer right, until `ending`.
+def settle(bind: str, master_uri: str, ending: threading.Event, on_change: Callable[[str], None]) -> None:
+    """Set ROS_IP unless an address is set; call `on_change` when it is no longer right, until `ending`.
 
     `bind` is where this program listens for players. OSError if there is no way to the ROS master.
     """
@@ -35,7 +35,7 @@ def settle(bind: str, master_uri: str, ending: threading.Event, fail: Callable[[
         while not ending.wait(PERIOD):
             better = successor(chosen, bind, master_uri)
             if better:
-                fail(f"ROS was told the address {chosen}, and this machine now has {better}")
+                on_change(f"ROS was told the address {chosen}, and this machine now has {better}")
 
     threading.Thread(target=watch, name="own address", daemon=True).start()
 

@@ -1,8 +1,7 @@
 """The ROS master seen from a program: timed calls, waiting for it, and noticing that it has forgotten a node.
 
 Without a master rospy just hangs (in `init_node`), and it does not register again with a restarted one. So a node that
-serves for a whole evening first waits for the master, and ends when the master has forgotten it: its supervisor starts
-it again. A node does not end because the master is slow: connections between nodes work without it.
+serves for a whole evening first waits for the master, and begins anew when the master has forgotten it. A node does not end because the master is slow: connections between nodes work without it.
 """
 
 import http.client
@@ -77,7 +76,8 @@ class Master:
 
 
 class MasterWatch:
-    """Calls `on_lost(reason)` once, from its own thread, when the master has lost the node, or is gone.
+    """Calls `on_lost(reason)` once, from its own thread, when the master has lost the node, or is gone; `on_replaced`,
+    if given, when another node has taken its name.
 
     The watch leaves a mark with the master, the private parameter `/<node>/alive_mark`. A restarted master does not
     know it (process IDs say nothing: in a container it is always 1), and another node of the same name replaces it.
@@ -85,12 +85,18 @@ class MasterWatch:
     """
 
     def __init__(
-        self, master: Master, on_lost: Callable[[str], None], period: float = 1.0, gone_after: float = 10.0
+        self,
+        master: Master,
+        on_lost: Callable[[str], None],
+        on_replaced: Callable[[str], None] | None = None,
+        period: float = 1.0,
+        gone_after: float = 10.0,
     ) -> None:
         self._master = master
         self._key = f"{master.node}/alive_mark"
         self._mark = uuid.uuid4().hex
         self._on_lost = on_lost
+        self._on_replaced = on_replaced or on_lost
         self._period = period
         self._gone_after = gone_after
         self._stop = threading.Event()
@@ -108,7 +114,7 @@ class MasterWatch:
         self._thread.start()
 
     def stop(self) -> None:
-        """End the watch; `on_lost` is not called any more."""
+        """End the watch; nothing is called any more."""
         self._stop.set()
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(self._master.timeout + 0.5)
@@ -120,22 +126,22 @@ class MasterWatch:
             try:
                 found = self._master.call("getParam", self._key)
             except MasterError:
-                return self._lost("the ROS master was restarted and no longer knows this node")
+                return self._end(self._on_lost, "the ROS master was restarted and no longer knows this node")
             except OSError as error:
                 if not isinstance(error, ConnectionRefusedError):
                     listened = time.monotonic()
                 if time.monotonic() - listened >= self._gone_after:
-                    return self._lost(f"the ROS master at {self._master.uri} is gone ({error})")
+                    return self._end(self._on_lost, f"the ROS master at {self._master.uri} is gone ({error})")
                 if not silent:
                     _log.warning("the ROS master at %s does not answer (%s); going on", self._master.uri, error)
                 silent = True
             else:
                 if found != self._mark:
-                    return self._lost(f"another node has taken the name {self._master.node}")
+                    return self._end(self._on_replaced, f"another node has taken the name {self._master.node}")
                 if silent:
                     _log.info("the ROS master answers again")
                 silent, listened = False, time.monotonic()
 
-    def _lost(self, reason: str) -> None:
+    def _end(self, tell: Callable[[str], None], reason: str) -> None:
         if not self._stop.is_set():
-            self._on_lost(reason)
+            tell(reason)
