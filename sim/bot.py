@@ -13,13 +13,13 @@ import aiohttp
 
 from laser_bot_battle.announcement import NoArenaError
 from laser_bot_battle.log import configure_logging
-from laser_bot_battle.names import Game
+from laser_bot_battle.names import BOT_PREFIX, Game, is_bot
 from laser_bot_battle.place import Place, find_again, locate
 from laser_bot_battle.settings import describe, read_or_exit
 from sim.bot_game import RETRY, Arena, Eyes, GameError, Player, Rosbridge, Status, Web
 from sim.bot_mind import NEUTRAL, Command, Mind
 from sim.bot_paths import Paths
-from sim.bot_settings import PREFIX, VARIABLES, Settings, following, is_bot
+from sim.bot_settings import VARIABLES, Settings, following
 from sim.lifecycle import first_of, live_until, signalled
 
 TICK = 0.04  # s between two commands
@@ -29,7 +29,7 @@ GOODBYE_SECONDS = 2.0
 GONE_AFTER = 5.0  # s without an answer of the server; it may be at another address then
 
 HELP = f"""\
-A bot's name is {PREFIX} and a number; if it is taken, the bot tries the next one. It is ready while a person is ready.
+A bot's name is {BOT_PREFIX} and a number; if it is taken, the bot tries the next one. It is ready while a person is ready.
 
 {describe(*VARIABLES)}
 """
@@ -243,7 +243,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(
         "sim.bot", description=__doc__, epilog=HELP, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--name", default=f"{PREFIX}1", help="the player's name (default %(default)s)")
+    parser.add_argument("--name", default=f"{BOT_PREFIX}1", help="the player's name (default %(default)s)")
     parser.add_argument("--robot", metavar="ID", help="drive this robot (default: the first that is free)")
     parser.add_argument("--master", help="host of the web server (default: LASERBOT_MASTER, else it is looked for)")
     parser.add_argument("--rosbridge", metavar="HOST:PORT", help="rosbridge (default: on the master)")

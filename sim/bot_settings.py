@@ -1,10 +1,9 @@
 """The bot's settings, from environment variables and arguments."""
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from laser_bot_battle.names import ROBOT_IDS
+from laser_bot_battle.names import BOT_PREFIX, ROBOT_IDS, is_bot
 from laser_bot_battle.place import Place
 from laser_bot_battle.settings import SettingsError
 from laser_bot_battle.variables import (
@@ -19,8 +18,6 @@ from laser_bot_battle.variables import (
 )
 
 VARIABLES = (ARENA_NAME, MASTER, WEB, ROSBRIDGE, ROS_MASTER_URI, ARENA, LOG_LEVEL, ALIVE_FILE)
-PREFIX = "Bot"  # a bot is called this and a number; players with other names are people
-_NAME = re.compile(PREFIX + r"[0-9]{1,13}")  # at most 16 letters, like every player's
 
 
 @dataclass(frozen=True)
@@ -50,7 +47,7 @@ class Settings:
     ) -> "Settings":
         """`rosbridge` and `arena` (its page) are "host:port", or the master's. SettingsError for a wrong value."""
         if not is_bot(name):
-            raise SettingsError(f"--name {name}: must be {PREFIX} and a number of up to 13 digits")
+            raise SettingsError(f"--name {name}: must be {BOT_PREFIX} and a number of up to 13 digits")
         if robot is not None and robot not in map(str, ROBOT_IDS):
             raise SettingsError(f"--robot {robot}: must be the ID of a robot, 0 to {max(ROBOT_IDS)}")
         rosbridge = _host_and_port("--rosbridge", rosbridge) if rosbridge else None
@@ -90,11 +87,6 @@ def _host_and_port(option: str, text: str) -> str:
     return text
 
 
-def is_bot(name: str) -> bool:
-    """Whether a player of this name is a bot: Bot1 is one, Botond is a person."""
-    return _NAME.fullmatch(name) is not None
-
-
 def following(name: str) -> str:
     """The bot's name to try when `name` is taken: Bot1 -> Bot2."""
-    return f"{PREFIX}{int(name.removeprefix(PREFIX)) + 1}"
+    return f"{BOT_PREFIX}{int(name.removeprefix(BOT_PREFIX)) + 1}"

@@ -3,12 +3,12 @@
 from dataclasses import replace
 from functools import singledispatch
 
-from laser_bot_battle.names import Game
+from laser_bot_battle.names import Game, is_bot
 from server.game import events
 from server.game.events import Event
 from server.game.ranking import ranks
 from server.game.snapshot import Happening
-from server.game.state import TOLD, State
+from server.game.state import MEASURED, TOLD, State
 from server.game.teams import are_friends
 from server.game.users import User, Waiting, is_same_name
 
@@ -81,6 +81,16 @@ def _offered(event: events.Offered, state: State, at: float) -> None:
 
 
 @_change.register
+def _offer_missed(event: events.OfferMissed, state: State, _at: float) -> None:
+    waiting = state.waiting(event.name)
+    if waiting.offer is not None:
+        _give(state, waiting.offer, None)
+    waiting.offer, waiting.missed, waiting.first = None, True, False
+    place = state.queue.index(waiting)
+    state.queue.insert(place + 1, state.queue.pop(place))
+
+
+@_change.register
 def _seated(event: events.Seated, state: State, at: float) -> None:
     waiting = state.waiting(event.name)
     assert waiting.offer is not None, "a robot is taken only by whoever it was offered to"
@@ -101,6 +111,8 @@ def _seated(event: events.Seated, state: State, at: float) -> None:
 def _unseated(event: events.Unseated, state: State, at: float) -> None:
     user = state.users.user(event.name)
     _remove_user(state, user, at)
+    if is_bot(user.name):
+        return
     waiting = Waiting(
         user.name,
         user.session,
@@ -165,7 +177,7 @@ def _countdown_stopped(event: events.CountdownStopped, state: State, at: float) 
 @_change.register
 def _battle_started(event: events.BattleStarted, state: State, at: float) -> None:
     state.game, state.battle, state.ends_at, state.paused_at = Game.PLAYING, event.battle, at + event.seconds, None
-    state.teams, state.happened = event.teams, ()
+    state.began_at, state.teams, state.happened = at, event.teams, ()
     teams = {fighter.name: fighter.team for fighter in event.fighters}
     for user in state.users:
         user.enter_battle(teams.get(user.name, 0))
@@ -192,6 +204,8 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
 def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
     state.game, state.notice, state.paused_at = Game.STOPPED, f"Battle over: {event.cause}.", None
     state.result = event.result if event.counts else ()
+    if event.counts:
+        state.lengths = (*state.lengths, at - state.began_at)[-MEASURED:]
     state.leavers = []
     for user in state.users:
         user.battles += user.ready and event.counts

@@ -89,6 +89,21 @@ class Offered:
 
 
 @dataclass(frozen=True, slots=True)
+class OfferMissed:
+    """Has not taken the robot that was offered, and waits behind the next one."""
+
+    name: Name
+
+    @property
+    def how(self) -> str:
+        """After the name."""
+        return "did not take the robot in time"
+
+    def __str__(self) -> str:
+        return f"{self.name} {self.how}: the next one gets it"
+
+
+@dataclass(frozen=True, slots=True)
 class Seated:
     """Has taken the robot that was offered."""
 
@@ -334,6 +349,7 @@ Event = (
     | SignedUp
     | Queued
     | Offered
+    | OfferMissed
     | Seated
     | Unseated
     | Left

@@ -14,7 +14,7 @@ from operator import itemgetter
 from typing import Any
 
 from laser_bot_battle.light_protocol import DAMAGES
-from laser_bot_battle.names import Game
+from laser_bot_battle.names import Game, is_bot
 from server.game import changes, desk, events, seats, views
 from server.game.events import Event, Recorded
 from server.game.overview import overview
@@ -178,6 +178,7 @@ class Referee:
             return Verdict.NAME_BANNED, None
         if any(contains_word(name, word) for word in self._state.words):
             return Verdict.NAME_UNWANTED, None
+        wait = wait and not is_bot(name)
         free = [] if self._state.queue else seats.free_robots(self._state, self._rules)
         robot = next((robot for robot in free if wanted in (None, robot.id)), None)
         if robot is None and not (wait and seats.has_room(self._state, address)):
@@ -380,15 +381,17 @@ class Referee:
     def _remove(self, name: str, how: str, now: float) -> None:
         self._leave(events.Left(name, how), now)
 
-    def _leave(self, event: events.Left | events.Unseated, now: float) -> None:
+    def _leave(self, event: events.Left | events.Unseated | events.OfferMissed, now: float) -> None:
         self._decide(event, now)
         self._settle(now, f"{event.name} {event.how}")
         self._settle_seats(now)
 
     def _settle_seats(self, now: float) -> None:
-        """Offer robots that nobody has to those who wait."""
+        """Offer robots that nobody has, or that others have to give up, to those who wait."""
         while event := seats.next_event(self._state, self._rules):
             self._decide(event, now)
+            if isinstance(event, events.Left):
+                self._settle(now, f"{event.name} {event.how}")
 
     def _decide(self, event: Event, now: float) -> None:
         changes.apply(self._state, event, now)

@@ -1,20 +1,23 @@
 """Who gets a robot, and for how long, when there are more people than robots: pure rules over the state.
 
-A robot that nobody has is offered to whoever has waited longest. While somebody waits, a seat is not for ever: a
-player who is not ready for a while loses it to somebody who has waited as long, and so does, between battles, one who
-has played several in a row. Both then wait behind the others. An address that has a robot gets another one only when
-nobody from elsewhere waits.
+A robot that nobody has is offered to whoever has waited longest; who does not take it in time is behind the next one
+then, and out the second time. While somebody waits, a seat is not for ever: a player who is not ready for a while loses
+it to somebody who has waited as long, and so does, between battles, one who has played several in a row. Both then wait
+behind the others. An address that has a robot gets another one only when nobody from elsewhere waits. Bots do not wait,
+and make room for people at once.
 """
 
 from collections.abc import Iterator
 from operator import attrgetter
+from statistics import fmean
 
-from laser_bot_battle.names import Game
+from laser_bot_battle.names import Game, is_bot
 from server.game import events
 from server.game.events import Event
 from server.game.robot import Robot
 from server.game.rules import Rules
 from server.game.state import State
+from server.game.teams import sides
 from server.game.users import User, Waiting
 
 MAX_WAITING = 100
@@ -30,6 +33,9 @@ def next_event(state: State, rules: Rules) -> Event | None:
     robot = next(iter(free_robots(state, rules)), None)
     if robot is not None:
         return events.Offered(waiting.name, robot.id, rules.offer)
+    bot = next(_bots_that_can_go(state), None)
+    if bot is not None:
+        return events.Left(bot.name, "makes room for a person")
     is_break = state.game is Game.STOPPED and rules.battles_in_row
     if is_break and any(one.offer is None and not one.passed_on for one in state.queue):
         for user in state.users:
@@ -50,7 +56,7 @@ def free_robots(state: State, rules: Rules) -> list[Robot]:
     return [] if rules.seats and given >= rules.seats else state.robots.get_available_robots()
 
 
-def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left | events.Unseated]]:
+def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left | events.Unseated | events.OfferMissed]]:
     """What happens, and when, to players and those who wait when nothing is heard of them."""
     for user in state.users:
         yield user.seen + _patience(user, state, rules), events.Left(user.name, "left the page")
@@ -66,7 +72,8 @@ def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left |
     for waiting in state.queue:
         yield waiting.seen + rules.seat_timeout, events.Left(waiting.name, "left the page")
         if waiting.offer is not None:
-            yield waiting.offer_ends, events.Left(waiting.name, "did not take the robot in time")
+            missed = events.OfferMissed(waiting.name)
+            yield waiting.offer_ends, events.Left(waiting.name, missed.how) if waiting.missed else missed
 
 
 def seat_ends(state: State, rules: Rules) -> dict[str, float]:
@@ -88,8 +95,20 @@ def estimate(place: int, state: State, rules: Rules) -> float:
     robots = max(1, sum(robot.in_service for robot in state.robots))
     if rules.seats:
         robots = min(robots, rules.seats)
-    turn = (rules.battles_in_row or 1) * (rules.battle_limit / 2 + rules.countdown + _PAUSE)
+    battle = fmean(state.lengths) if state.lengths else rules.battle_limit / 2
+    turn = (rules.battles_in_row or 1) * (battle + rules.countdown + _PAUSE)
     return turn * place / robots
+
+
+def _bots_that_can_go(state: State) -> Iterator[User]:
+    """Those with a robot that a person can have, the last in the ranking first. A battle does not end by it."""
+    fighting = state.users.get_users_alive() if state.game is Game.PLAYING else []
+    for user in reversed([*state.users]):
+        robot = state.robots.get_robot(user.robot) if is_bot(user.name) else None
+        if robot is None or not (robot.in_service and robot.linked):
+            continue
+        if user not in fighting or sides([other for other in fighting if other is not user]) >= 2:
+            yield user
 
 
 def _served(state: State) -> set[str]:

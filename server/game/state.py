@@ -14,6 +14,7 @@ from server.game.teams import deal
 from server.game.users import User, Users, Waiting
 
 TOLD = 8  # of what has happened in a battle, the newest
+MEASURED = 5  # battles, by which waiting times are told
 
 
 @dataclass
@@ -26,6 +27,8 @@ class State:
     ends_at: float = 0.0  # of the countdown or the battle; while it is paused, as if it went on at once
     paused_at: float | None = None  # None: it is not
     battle: int = 0
+    began_at: float = 0.0  # the running or the last battle
+    lengths: tuple[float, ...] = ()  # s of the last battles, at most `MEASURED`
     notice: Notice = ""
     queue: list[Waiting] = field(default_factory=list)  # for a robot, the next one first
     leavers: list[User] = field(default_factory=list)  # who was in the running battle and has gone

@@ -122,6 +122,7 @@ class Waiting:
     offer: int | None = None  # the robot that is kept for this one
     offer_ends: float = 0.0
     passed_on: bool = False  # has given up a seat since the last battle: for this one nobody else does
+    missed: bool = False  # has not taken a robot that was offered
     first: bool = False  # has lost a seat by nobody's fault: only others of that kind stand before
     address: str = ""
 

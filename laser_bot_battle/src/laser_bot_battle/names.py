@@ -44,12 +44,21 @@ OPERATOR_TICKET_LIFE = 20  # s
 _CLIENT = "/id_service_client_"
 
 
+BOT_PREFIX = "Bot"
+_BOT = re.compile(BOT_PREFIX + r"[0-9]{1,13}")  # at most 16 letters, like every player's
+
+
 class Game(IntEnum):
     """The states of the game, as the constants of GameStatus.msg, whose generated class needs ROS."""
 
     STOPPED = 0
     COUNTDOWN = 1
     PLAYING = 2
+
+
+def is_bot(name: str) -> bool:
+    """Whether a player of this name is a bot: Bot1 is one, Botond is a person."""
+    return _BOT.fullmatch(name) is not None
 
 
 def robot_node(robot_id: int) -> str:

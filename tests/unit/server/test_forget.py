@@ -47,6 +47,7 @@ def happened(who: str, word: str) -> list[Event]:
         events.SignedUp(who, 1, word, 2, word),
         events.Queued(who, word, 2, word),
         events.Offered(who, 1, 20.0),
+        events.OfferMissed(who),
         events.Seated(who),
         events.Unseated(who, "has played 3 in a row, and others wait"),
         events.Left(who, "was signed out by the operator", who),

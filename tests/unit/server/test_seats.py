@@ -62,13 +62,106 @@ def test_a_free_robot_is_offered_to_the_first_and_to_nobody_else(two):
     assert queue(two) == [("dee", None)]
 
 
-def test_who_does_not_take_the_robot_in_time_makes_way(two):
+def test_who_does_not_take_the_robot_in_time_is_behind_the_next_and_the_second_time_out(two):
     two.sign_out("bob")
     pass_time(two, 19.9)
     assert queue(two) == [("cy", 1), ("dee", None)]
     pass_time(two, 0.2)
-    assert queue(two) == [("dee", 1)]
+    assert queue(two) == [("dee", 1), ("cy", None)]
+    assert take(two, "cy") is Verdict.NO_OFFER
+    take(two, "dee")
+    two.sign_out("dee")
+    assert queue(two) == [("cy", 1)]
+    two.restart()
+    pass_time(two, 20.1)
+    assert queue(two) == []
     assert take(two, "cy") is Verdict.UNKNOWN_USER
+
+
+def test_who_waits_alone_and_misses_the_robot_is_offered_it_once_more(new_match):
+    match = new_match(robots=1)
+    join(match, "ada", "bob")
+    match.sign_out("ada")
+    pass_time(match, 25)
+    assert queue(match) == [("bob", 0)]
+    assert take(match, "bob") is Verdict.OK
+
+
+def test_a_bot_makes_room_for_a_person_at_once(new_match):
+    match = new_match(robots=3)
+    join(match, "Bot1", "ada", "Bot2", "bob")
+    assert queue(match) == [("bob", 2)]
+    assert match.names == ["Bot1", "ada"]
+    take(match, "bob")
+    join(match, "cy", "dee")
+    assert queue(match) == [("cy", 0), ("dee", None)], "there is no third one"
+
+
+def test_a_bot_does_not_wait(new_match):
+    match = new_match(robots=1)
+    join(match, "ada")
+    assert match.referee.sign_up("Bot1", "b", 0, match.now, wait=True)[0] is Verdict.NO_ROBOTS
+    join(match, "cy")
+    match.sign_out("ada")
+    pass_time(match, 20.1)
+    assert queue(match) == [("cy", 0)]
+    assert match.referee.sign_up("Bot1", "b", 0, match.now)[0] is Verdict.NO_ROBOTS, "a person's turn is not a bot's"
+
+
+def test_a_bot_whose_robot_nobody_could_have_stays(new_match):
+    match = new_match(robots=1)
+    join(match, "Bot1")
+    match.referee.robots_linked((), match.now)
+    join(match, "ada")
+    assert match.names == ["Bot1"]
+    match.referee.robots_linked((0,), match.now)
+    assert match.names == []
+    assert queue(match) == [("ada", 0)]
+
+
+def test_a_bot_leaves_a_countdown_and_a_battle_that_goes_on_without_it(new_match):
+    match = new_match(robots=3)
+    match.start("ada", "bob", "Bot1")
+    join(match, "cy")
+    assert queue(match) == [("cy", 2)]
+    assert match.state.game == 2
+    match.hit("bob", 10)
+    assert [(placing.name, placing.left) for placing in match.state.result] == [
+        ("ada", False),
+        ("bob", False),
+        ("Bot1", True),
+    ]
+    take(match, "cy")
+    match.sign_out("cy")
+    match.sign_up("Bot1")
+    match.ready("ada", "Bot1")
+    join(match, "dee")
+    assert (match.state.game, match.state.notice) == (
+        0,
+        "Countdown stopped: Bot1 makes room for a person, fewer than two players are ready.",
+    )
+
+
+def test_a_bot_fights_on_where_the_battle_would_end_with_it(new_match):
+    match = new_match(robots=2)
+    match.start("ada", "Bot1")
+    join(match, "cy")
+    assert queue(match) == [("cy", None)]
+    match.hit("Bot1", 10)
+    assert queue(match) == [("cy", 1)]
+    assert [placing.name for placing in match.state.result] == ["ada", "Bot1"]
+
+
+def test_the_wait_is_told_by_how_long_battles_have_been(two):
+    first = two.state.queue[0].seconds
+    two.ready("ada", "bob")
+    pass_time(two, 15)
+    pass_time(two, 10)
+    two.hit("bob", 10)
+    shorter = two.state.queue[0].seconds
+    assert first - shorter == pytest.approx(3 * (150 - 10) / 2, abs=6)
+    two.restart()
+    assert two.state.queue[0].seconds == pytest.approx(shorter, abs=1)
 
 
 def test_an_offer_ends_with_its_robot_and_the_place_is_kept(two):

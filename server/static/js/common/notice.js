@@ -15,6 +15,7 @@ const CAUSES = [
   [/^(\S+) signed out$/, "notice.signed_out"],
   [/^(\S+) left the page$/, "notice.left_page"],
   [/^(\S+) was signed out by the operator$/, "notice.by_operator"],
+  [/^(\S+) makes room for a person$/, "notice.made_room"],
   [/^the time limit is reached$/, "notice.time"],
   [/^the operator has ended it$/, "notice.operator"],
 ];
