@@ -17,7 +17,7 @@ from laser_bot_battle.names import BOT_PREFIX, Game, is_bot
 from laser_bot_battle.place import Place, find_again, locate
 from laser_bot_battle.settings import describe, read_or_exit
 from sim.bot_game import RETRY, Arena, Eyes, GameError, Player, Rosbridge, Status, Web
-from sim.bot_mind import NEUTRAL, Command, Mind
+from sim.bot_mind import NEUTRAL, SKILLS, Command, Mind
 from sim.bot_paths import Paths
 from sim.bot_settings import VARIABLES, Settings, following
 from sim.lifecycle import first_of, live_until, signalled
@@ -29,7 +29,8 @@ GOODBYE_SECONDS = 2.0
 GONE_AFTER = 5.0  # s without an answer of the server; it may be at another address then
 
 HELP = f"""\
-A bot's name is {BOT_PREFIX} and a number; if it is taken, the bot tries the next one. It is ready while a person is ready.
+A bot's name is {BOT_PREFIX} and a number; if it is taken, the bot tries the next one.
+It is ready while a person is ready.
 
 {describe(*VARIABLES)}
 """
@@ -64,6 +65,8 @@ class Bot:
         self._told = ""
         self._arena: Arena | None = None
         self._mind: Mind | None = None
+        self._hit_at: dict[int, float] = {}  # by robot
+        self._last_hit = 0  # its number
 
     async def run(self) -> Place:
         """Play until cancelled, or until the arena has moved: returns where to; sign out in any case."""
@@ -161,6 +164,8 @@ class Bot:
         while True:
             status = rosbridge.status
             me = next((player for player in status.players if player.name == self._name), None) if status else None
+            if status:
+                self._note_hits(status, loop.time())
             if status and me and fights(status, me):
                 opponents = {p.robot for p in status.players if p.ready and p.life > 0 and p is not me}
                 await rosbridge.command(self._decide(loop.time(), robot, opponents))
@@ -188,8 +193,17 @@ class Bot:
             return NEUTRAL
         if self._mind is None or arena is not self._arena:
             self._arena = arena
-            self._mind = Mind(Paths(arena.width, arena.height, arena.walls), random.Random())
-        return self._mind.decide(now, me, {number: pose.point for number, pose in robots.items()}, opponents)
+            paths = Paths(arena.width, arena.height, arena.walls)
+            self._mind = Mind(paths, random.Random(), SKILLS[self._settings.level])
+        points = {number: pose.point for number, pose in robots.items()}
+        return self._mind.decide(now, me, points, opponents, self._hit_at)
+
+    def _note_hits(self, status: Status, now: float) -> None:
+        robots = {player.name: player.robot for player in status.players}
+        for number, name in status.hits:
+            if number > self._last_hit and name in robots:
+                self._hit_at[robots[name]] = now
+        self._last_hit = max((number for number, _ in status.hits), default=0)
 
     async def _say_goodbye(self) -> None:
         """rosbridge stops a robot whose driver's connection closes; the name and the robot are given back here."""

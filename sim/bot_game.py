@@ -40,6 +40,7 @@ class Status:
     game: int
     players: tuple[Player, ...]
     paused: bool = False
+    hits: tuple[tuple[int, str], ...] = ()  # the last ones: their numbers, which grow, and who was hit
 
     @classmethod
     def from_message(cls, message: Mapping[str, Any]) -> "Status":
@@ -48,7 +49,8 @@ class Status:
             Player(str(user["name"]), int(user["robot"]), int(user["life"]), bool(user["ready"]))
             for user in message["users"]
         )
-        return cls(int(message["game"]), players, bool(message["paused"]))
+        hits = tuple((int(event["number"]), str(event["name"])) for event in message["events"])
+        return cls(int(message["game"]), players, bool(message["paused"]), hits)
 
 
 class Web:

@@ -1,6 +1,7 @@
 """How the bot plays: from what it sees to what it commands. Pure; made to be beaten by people.
 
-It sees others late, aims badly, waits between shots, and sometimes drives elsewhere instead of fighting.
+It sees others late, aims badly, waits between shots, sometimes drives elsewhere instead of fighting, and leaves alone
+for a while whoever was hit: several bots are no worse for somebody than one.
 """
 
 import math
@@ -8,6 +9,7 @@ import random
 from collections import deque
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from sim.arena.geometry import Point, Pose, bearing, wrap
 from sim.arena.light import free_distance
@@ -41,7 +43,7 @@ NEUTRAL = Command()
 
 @dataclass(frozen=True)
 class Skill:
-    """How good a player is. With the defaults somebody who does nothing loses 100 life in 60 to 90 s."""
+    """How good a player is."""
 
     mercy: float = 3.0  # s from the start of a battle to the first shot
     reaction: float = 0.4  # s from an event until the bot sees it
@@ -49,15 +51,22 @@ class Skill:
     reload: tuple[float, float] = (1.7, 3.2)  # s between two shots
     rest: tuple[float, float] = (0.6, 1.5)  # s of standing still after a shot
     roam_chance: float = 0.45  # of driving elsewhere after a shot
+    spare: float = 0.0  # s for which it leaves alone who was hit, by whomever
 
 
-AVERAGE = Skill()
+FAIR = Skill()  # alone, it takes 60 to 90 s for somebody who does nothing
+# with a hit that takes 10 of 100 life, nobody is out in less than nine times `spare`
+SKILLS = {
+    "easy": Skill(5.0, 0.6, math.radians(20), (2.4, 4.5), (1.0, 2.0), 0.6, 8.0),
+    "fair": FAIR,
+    "hard": Skill(1.5, 0.25, math.radians(5), (0.8, 1.2), (0.1, 0.4), 0.2),
+}
 
 
 class Mind:
     """One bot on one floor. Times are s of any steady clock, never going back."""
 
-    def __init__(self, paths: Paths, chance: random.Random, skill: Skill = AVERAGE) -> None:
+    def __init__(self, paths: Paths, chance: random.Random, skill: Skill = FAIR) -> None:
         self._paths = paths
         self._chance = chance
         self._skill = skill
@@ -74,11 +83,20 @@ class Mind:
         self._path: tuple[float, Point] = (-math.inf, (0.0, 0.0))
         self._drive_began: tuple[float, Point] | None = None
 
-    def decide(self, now: float, me: Pose, others: Mapping[int, Point], opponents: Collection[int]) -> Command:
-        """The command for this moment. `others`: where the other robots are, by ID; `opponents`: the living of them."""
+    def decide(
+        self,
+        now: float,
+        me: Pose,
+        others: Mapping[int, Point],
+        opponents: Collection[int],
+        hit_at: Mapping[int, float] = MappingProxyType({}),
+    ) -> Command:
+        """The command for this moment. `others`: where the other robots are, by ID; `opponents`: the living of them;
+        `hit_at`: when which robots were last hit."""
         if self._next_shot is None:
             self._next_shot = now + self._skill.mercy
-        command = self._choose(now, me, self._seen(now, others), opponents)
+        spared = {number for number, at in hit_at.items() if now - at < self._skill.spare}
+        command = self._choose(now, me, self._seen(now, others), opponents, spared)
         if self._is_stuck(now, me, command):
             side = self._chance.choice((-1, 1))
             self._back_off = Command(-command.linear_x, side)
@@ -87,7 +105,9 @@ class Mind:
             return self._back_off
         return command
 
-    def _choose(self, now: float, me: Pose, seen: Mapping[int, Point], opponents: Collection[int]) -> Command:
+    def _choose(
+        self, now: float, me: Pose, seen: Mapping[int, Point], opponents: Collection[int], spared: Collection[int]
+    ) -> Command:
         if now < self._trigger_until:
             return Command(shoot=True)
         if now < self._back_off_until:
@@ -96,7 +116,10 @@ class Mind:
             return NEUTRAL
         if now < self._roam_until:
             return NEUTRAL if math.dist(me.point, self._roam_to) < ARRIVED else self._drive_to(now, me, self._roam_to)
-        targets = [number for number in opponents if number in seen]
+        alive = [number for number in opponents if number in seen]
+        targets = [number for number in alive if number not in spared]
+        if alive and not targets:
+            self._roam(now)
         if not targets:
             return NEUTRAL
         target = min(targets, key=lambda number: math.dist(me.point, seen[number]))

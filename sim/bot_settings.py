@@ -10,6 +10,7 @@ from laser_bot_battle.variables import (
     ALIVE_FILE,
     ARENA,
     ARENA_NAME,
+    BOT_LEVEL,
     LOG_LEVEL,
     MASTER,
     ROS_MASTER_URI,
@@ -17,7 +18,7 @@ from laser_bot_battle.variables import (
     WEB,
 )
 
-VARIABLES = (ARENA_NAME, MASTER, WEB, ROSBRIDGE, ROS_MASTER_URI, ARENA, LOG_LEVEL, ALIVE_FILE)
+VARIABLES = (ARENA_NAME, MASTER, WEB, ROSBRIDGE, ROS_MASTER_URI, ARENA, BOT_LEVEL, LOG_LEVEL, ALIVE_FILE)
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,7 @@ class Settings:
     view: str | None  # the arena's page, if it is not on the master's host
     rosbridge_port: int  # unless the master announces another
     view_port: int
+    level: str  # how good it is
     log_level: str
 
     @classmethod
@@ -62,6 +64,7 @@ class Settings:
             view=_host_and_port("--arena", arena) if arena else None,
             rosbridge_port=ROSBRIDGE.read(env),
             view_port=ARENA.read(env),
+            level=BOT_LEVEL.read(env),
             log_level=LOG_LEVEL.read(env),
         )
 

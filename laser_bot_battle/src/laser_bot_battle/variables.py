@@ -176,6 +176,7 @@ FLOOR = choice(
     ("battle", "duel"),
     "the virtual robots' floor: with walls to hide behind, or small and open, each robot face to face with another",
 )
+BOT_LEVEL = choice("LASERBOT_BOT_LEVEL", "easy", ("easy", "fair", "hard"), "how good the bots are")
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
 LIGHT = choice(
     "LASERBOT_LIGHT",

@@ -110,7 +110,7 @@ def test_while_the_master_hangs_pictures_go_on_and_who_comes_is_told(own_master:
 
 
 @pytest.mark.slow
-def test_when_the_master_was_restarted_it_begins_anew_and_finds_all_again(own_master: RosMaster, eye: FakeCamera) -> None:
+def test_when_the_master_was_restarted_it_finds_all_again(own_master: RosMaster, eye: FakeCamera) -> None:
     own_master.start()
     tell_camera(own_master, 1, eye.url)
     with Relay(own_master) as relay:

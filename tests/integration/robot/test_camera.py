@@ -19,14 +19,14 @@ from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
 
-# Stands for ustreamer with a camera: the first line that it prints are its arguments.
+# Stands for ustreamer with a camera: the first line that it prints, once it listens, are its arguments.
 STAND_IN = """#!{python}
 import socket, sys
-print("ARGUMENTS", *sys.argv[1:], flush=True)
 (path,) = [word.partition("=")[2] for word in sys.argv if word.startswith("--unix=")]
 server = socket.socket(socket.AF_UNIX)
 server.bind(path)
 server.listen()
+print("ARGUMENTS", *sys.argv[1:], flush=True)
 while True:
     guest, _ = server.accept()
     words = guest.recv(4096).split()

@@ -102,17 +102,17 @@ def test_calls_of_a_service_that_cannot_be_reached_are_answered_and_none_counts_
     assert rosbridge.program.stop(seconds=2) == 0
 
 
+def may_call(client: Client) -> bool:
+    client.say("call_service", service="/rosapi/get_time")
+    while (answer := client.hear())["op"] != "service_response":
+        pass
+    return bool(answer["result"])
+
+
 def test_who_guesses_the_operators_token_is_named_and_locks_nobody_out(ros_master: RosMaster) -> None:
     rosbridge = Rosbridge(ros_master)
     rosbridge.program.wait_for("listening")
     with Client(rosbridge.port) as guesser, Client(rosbridge.port) as operator:
-
-        def may_call(client: Client) -> bool:
-            client.say("call_service", service="/rosapi/get_time")
-            while (answer := client.hear())["op"] != "service_response":
-                pass
-            return bool(answer["result"])
-
         for number in range(9):
             guesser.operate(f"guess {number}")
         operator.operate()
@@ -137,8 +137,7 @@ def test_when_the_master_was_restarted_it_begins_anew(own_master: RosMaster) -> 
     own_master.start()
     until(lambda: rosbridge.program.output.count("listening") == 2, 10, "the second beginning")
     with Client(rosbridge.port).operate() as operator:
-        operator.say("call_service", service="/rosapi/get_time")
-        assert operator.hear()["result"]
+        until(lambda: may_call(operator), 5, "rosapi")
     assert rosbridge.program.stop(seconds=2) == 0
     assert "Traceback" not in rosbridge.program.output
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from sim.arena.floor import BATTLE_FLOOR, Floor
 from sim.arena.geometry import Point, Pose
 from sim.arena.world import World
-from sim.bot_mind import AVERAGE, NEUTRAL, Command, Mind, Skill
+from sim.bot_mind import FAIR, NEUTRAL, Command, Mind, Skill
 from sim.bot_paths import Paths
 
 TICK = 0.04  # s between two commands
@@ -19,7 +19,7 @@ PULSE = 0.5  # s
 Player = Callable[[float, Pose, Mapping[int, Point]], Command]
 
 
-def bot(seed: int, skill: Skill = AVERAGE, floor: Floor = BATTLE_FLOOR) -> Player:
+def bot(seed: int, skill: Skill = FAIR, floor: Floor = BATTLE_FLOOR) -> Player:
     """A bot that fights everyone."""
     mind = Mind(Paths(floor.width, floor.height, floor.walls), random.Random(seed), skill)
     return lambda now, me, others: mind.decide(now, me, others, set(others))

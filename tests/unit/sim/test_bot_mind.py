@@ -8,9 +8,9 @@ import pytest
 
 from sim.arena.floor import BATTLE_FLOOR, make_floor
 from sim.arena.geometry import Point, Pose, Wall, bearing
-from sim.bot_mind import NEUTRAL, Command, Mind, Skill
+from sim.bot_mind import NEUTRAL, SKILLS, Command, Mind, Skill
 from sim.bot_paths import Paths
-from tests.unit.sim.duel import TICK, Duel, bot, idle
+from tests.unit.sim.duel import TICK, Duel, Player, bot, idle
 
 STEADY = Skill(mercy=0.0, reaction=0.2, aim_error=0.0, reload=(1.5, 1.5), rest=(0.1, 0.1), roam_chance=0.0)
 LATER = 1.0  # s after the first look: more than any reaction time
@@ -111,6 +111,43 @@ def test_two_robots_that_block_each_other_get_free() -> None:
     assert duel.run(240, until=lambda: duel.hits(0) >= 10) < 240
 
 
+def test_it_leaves_alone_for_a_while_who_was_hit() -> None:
+    player = mind(Skill(mercy=0.0, aim_error=0.0, spare=5.0))
+    me, opponent = Pose(1, 1, 0), {0: (1.3, 1.0)}
+    shots = [now / 10 for now in range(0, 90) if player.decide(now / 10, me, opponent, {0}, {0: 1.0}).shoot]
+    assert not [at for at in shots if 1.1 < at < 6.0]
+    assert max(shots) >= 6.0
+
+
+def test_it_turns_to_another_than_who_was_hit() -> None:
+    player = mind(Skill(aim_error=0.0, spare=5.0))
+    me, others = Pose(1, 1, 0), {0: (1.0, 0.6), 1: (1.0, 1.5)}
+    player.decide(0.0, me, others, set(others))
+    assert player.decide(LATER, me, others, set(others), {0: LATER}).angular_z == -1
+
+
+def hunter(seed: int, hit_at: dict[int, float]) -> Player:
+    """An easy bot that fights robot 0 only."""
+    floor = BATTLE_FLOOR
+    player = Mind(Paths(floor.width, floor.height, floor.walls), random.Random(seed), SKILLS["easy"])
+    return lambda now, me, others: player.decide(now, me, others, {0}, hit_at)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_two_easy_bots_need_more_than_a_minute_for_somebody_who_does_nothing(seed: int) -> None:
+    hit_at: dict[int, float] = {}
+    duel = Duel({0: idle, 1: hunter(seed, hit_at), 2: hunter(seed + 10, hit_at)})
+    hits = 0
+
+    def is_out() -> bool:
+        nonlocal hits
+        if duel.hits(0) > hits:
+            hits, hit_at[0] = duel.hits(0), duel.now
+        return hits >= 10
+
+    assert 72 < duel.run(400, until=is_out) < 400
+
+
 @pytest.mark.parametrize("seed", range(4))
 def test_somebody_who_does_nothing_is_beaten_but_not_at_once(seed: int) -> None:
     duel = Duel({0: idle, 1: bot(seed)})
@@ -118,10 +155,9 @@ def test_somebody_who_does_nothing_is_beaten_but_not_at_once(seed: int) -> None:
 
 
 def test_a_quick_and_steady_player_wins_often() -> None:
-    skill = Skill(reaction=0.25, aim_error=math.radians(5), reload=(0.8, 1.2), rest=(0.1, 0.4), roam_chance=0.2)
     won = 0
     for seed in range(5):
-        duel = Duel({0: bot(100 + seed, skill), 1: bot(seed)})
+        duel = Duel({0: bot(100 + seed, SKILLS["hard"]), 1: bot(seed)})
         duel.run(200, until=lambda duel=duel: max(duel.hits(0), duel.hits(1)) >= 10)
         won += duel.hits(1) > duel.hits(0)
     assert won >= 3

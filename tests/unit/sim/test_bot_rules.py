@@ -34,8 +34,10 @@ def test_it_is_not_ready_without_a_ready_human(players: dict[str, bool]) -> None
 
 def test_a_status_is_read_from_rosbridge() -> None:
     user = {"name": "Ann", "robot": 3, "life": 90, "ready": True, "avatar": 0, "place": 0, "left": False, "session": ""}
-    message = {"game": GameStatus.PLAYING, "paused": True, "users": [user], "result": []}
-    assert Status.from_message(message) == Status(GameStatus.PLAYING, (Player("Ann", 3, 90, True),), paused=True)
+    event = {"number": 7, "kind": 0, "name": "Ann", "by": "", "life": 90}
+    message = {"game": GameStatus.PLAYING, "paused": True, "users": [user], "result": [], "events": [event]}
+    ann = Player("Ann", 3, 90, True)
+    assert Status.from_message(message) == Status(GameStatus.PLAYING, (ann,), paused=True, hits=((7, "Ann"),))
 
 
 def test_it_does_not_drive_in_a_pause() -> None:
