@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from laser_bot_battle.names import RELAY_HEADER
 from server.camera.multipart import Part, Parts, StreamError, boundary_of
+from tcpros import sockets
 
 CONNECT = 3.0  # s until the camera must have answered
 SILENCE = 3.0  # s without a complete picture; a camera that is away still sends one a second that says so
@@ -62,5 +63,5 @@ async def follow(address: Address, received: Callable[[Part], None]) -> None:
     except (OSError, EOFError):
         raise StreamError("the connection to the camera is lost") from None
     finally:
-        writer.transport.abort()
+        await sockets.end(writer)
     raise StreamError("the camera has ended the stream")

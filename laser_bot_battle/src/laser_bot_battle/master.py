@@ -1,7 +1,8 @@
 """The ROS master seen from a program: timed calls, waiting for it, and noticing that it has forgotten a node.
 
 Without a master rospy just hangs (in `init_node`), and it does not register again with a restarted one. So a node that
-serves for a whole evening first waits for the master, and begins anew when the master has forgotten it. A node does not end because the master is slow: connections between nodes work without it.
+serves for a whole evening first waits for the master, and begins anew when the master has forgotten it. A node does not
+end because the master is slow: connections between nodes work without it.
 """
 
 import http.client

@@ -41,7 +41,7 @@ class Service:
             try:
                 await self._answer_calls(reader, writer, header.get("persistent", "").lower() in ("1", "true"))
             finally:
-                writer.transport.abort()
+                await sockets.end(writer)
         except (OSError, EOFError) as error:
             _log.debug("%s: a caller went away: %s", self.name, error)
         finally:

@@ -104,4 +104,4 @@ async def _exchange(connected: socket.socket, request: bytes) -> tuple[bool, byt
         succeeded = await reader.readexactly(1)
         return succeeded != b"\0", await read_block(reader)
     finally:
-        writer.transport.abort()
+        await sockets.end(writer)

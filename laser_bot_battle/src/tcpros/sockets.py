@@ -3,6 +3,7 @@
 import asyncio
 import socket
 from collections.abc import Mapping
+from contextlib import suppress
 
 import rosgraph.network
 
@@ -73,6 +74,14 @@ async def streams(connected: socket.socket) -> tuple[asyncio.StreamReader, async
     except asyncio.CancelledError:
         opening.add_done_callback(_abort)
         raise
+
+
+async def end(writer: asyncio.StreamWriter) -> None:
+    """End the connection at once. Why it ended before was told to whoever read: asyncio, which else tells it once more
+    whenever it forgets the connection, is told that."""
+    writer.transport.abort()
+    with suppress(OSError):
+        await writer.wait_closed()
 
 
 def _abort(opening: asyncio.Future[tuple[asyncio.StreamReader, asyncio.StreamWriter]]) -> None:

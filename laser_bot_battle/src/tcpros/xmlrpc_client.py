@@ -5,6 +5,8 @@ import xmlrpc.client
 from typing import Any
 from urllib.parse import urlsplit
 
+from tcpros import sockets
+
 MAX_ANSWER = 16 * 2**20  # bytes
 # A larger answer is taken apart beside the event loop, which would stand still meanwhile.
 LARGE = 2**16  # bytes
@@ -59,7 +61,7 @@ async def _post(uri: str, body: bytes) -> bytes:
                 return await reader.readexactly(length)
         return await _read_to_end(reader)
     finally:
-        writer.transport.abort()
+        await sockets.end(writer)
 
 
 async def _read_to_end(reader: asyncio.StreamReader) -> bytes:

@@ -8,6 +8,7 @@ import xmlrpc.client
 from collections.abc import Callable
 from typing import Any
 
+from tcpros import sockets
 from tcpros.sockets import GREETING
 
 _log = logging.getLogger(__name__)
@@ -48,7 +49,7 @@ class XmlRpcServer:
             _log.debug("an XML-RPC connection came to nothing: %s", error)
         finally:
             self._connections.discard(task)
-            writer.transport.abort()
+            await sockets.end(writer)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.transport.set_write_buffer_limits(0)  # drain waits until all is sent
