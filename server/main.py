@@ -1,7 +1,6 @@
 """The game server of the master (manual 3.1.1): referee, web server and the ROS node `robots_server` in one process."""
 
 import logging
-import socket
 import sys
 import time
 from collections.abc import Iterator
@@ -9,6 +8,7 @@ from contextlib import contextmanager, suppress
 
 from waitress import wasyncore
 
+from laser_bot_battle.listening import Listener
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.master import Master
 from laser_bot_battle.names import SERVER_NODE
@@ -63,13 +63,13 @@ def main() -> int:
 
 
 @contextmanager
-def _serve(program: Program, settings: Settings, listener: socket.socket) -> Iterator[None]:
+def _serve(program: Program, settings: Settings, listener: Listener) -> Iterator[None]:
     with rospy_node(program), _game(program, settings, listener):
         yield
 
 
 @contextmanager
-def _game(program: Program, settings: Settings, listener: socket.socket) -> Iterator[None]:
+def _game(program: Program, settings: Settings, listener: Listener) -> Iterator[None]:
     roster = Roster(settings.roster)
     database = Database(settings.database, settings.arena)
     game = GameLoop(Referee(settings.rules, _state(database, roster, settings)))

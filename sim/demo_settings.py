@@ -1,11 +1,11 @@
 """The demo's settings: the address and the ports of its parts. All other variables are for the parts themselves."""
 
 import secrets
-import socket
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from laser_bot_battle import listening
 from laser_bot_battle.operator_token import read_operator_token
 from laser_bot_battle.settings import SettingsError, Variable
 from laser_bot_battle.variables import (
@@ -66,12 +66,10 @@ class Settings:
 
 
 def _check_free(bind: str, port: int, variable: str, what: str) -> None:
-    with socket.socket() as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((bind, port))
-        except OSError as error:
-            raise SettingsError(
-                f"port {port} ({what}) cannot be used: {error.strerror}. "
-                f"Stop the program that uses it, or choose another port: {variable}={port + 1} make demo"
-            ) from None
+    try:
+        listening.bind(bind, port).close()
+    except OSError as error:
+        raise SettingsError(
+            f"port {port} ({what}) cannot be used: {error.strerror}. "
+            f"Stop the program that uses it, or choose another port: {variable}={port + 1} make demo"
+        ) from None

@@ -1,9 +1,9 @@
 """The cameras' relay: `python3 -m server.camera`, the ROS node `camera_relay`."""
 
 import logging
-import socket
 import sys
 
+from laser_bot_battle.listening import Listener
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import RELAY_NODE
 from laser_bot_battle.settings import read_or_exit
@@ -30,7 +30,7 @@ def main() -> int:
     return program.run(lambda listener: work_in_loop(program, "relay", lambda: _relay(program, settings, listener)))
 
 
-async def _relay(program: Program, settings: Settings, listener: socket.socket) -> None:
+async def _relay(program: Program, settings: Settings, listener: Listener) -> None:
     pages = OwnPages(settings.web_port, settings.origins, own_names())
     async with ros_node(program, RELAY_NODE) as own_node:
         relay = Relay(own_node, CameraAccess(settings.operator_token), settings.viewers, settings.rate)

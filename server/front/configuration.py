@@ -5,6 +5,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
+from laser_bot_battle import listening
 from server.front.settings import FrontSettings
 
 HERE = Path(__file__).parent
@@ -14,7 +15,6 @@ AT_ONCE, FILES_AT_ONCE = 50, 200  # a page that loads asks for some 40 files
 # of one address at once; a hall's visitors may share one
 CONNECTIONS = 300
 WAITING = 400  # requests that are held back till their turn: all of those connections, for a refusal begets the next
-EVERY = "0.0.0.0"
 HTTP_PORT, HTTPS_PORT = 80, 443  # that addresses need not name
 USER = "nobody"  # of nginx's workers, where the program is root's
 
@@ -48,7 +48,9 @@ def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
 
 
 def _here(settings: FrontSettings) -> str:
-    return "127.0.0.1" if settings.bind in (EVERY, "::") else _bracketed(settings.bind)
+    """Where the game's programs are to be had."""
+    first = listening.addresses(settings.bind)[0]
+    return "127.0.0.1" if first in ("0.0.0.0", "::") else _bracketed(first)
 
 
 def _tls_ports(settings: FrontSettings) -> dict[str, str]:
@@ -69,9 +71,10 @@ def _servers(settings: FrontSettings) -> list[dict[str, Any]]:
 
 def _addresses(bind: str, port: int) -> list[str]:
     """As nginx writes them. Those of IPv6 have a socket of their own: visitors by IPv4 keep their addresses."""
-    if bind == EVERY:
-        return [f"{EVERY}:{port}", *([f"[::]:{port} ipv6only=on"] if Path("/proc/net/if_inet6").exists() else [])]
-    return [f"{_bracketed(bind)}:{port}"]
+    return [
+        f"{_bracketed(address)}:{port}{' ipv6only=on' if ':' in address else ''}"
+        for address in listening.addresses(bind)
+    ]
 
 
 def _bracketed(address: str) -> str:

@@ -13,7 +13,8 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, Self
 
-from laser_bot_battle import variables
+from laser_bot_battle import listening, variables
+from laser_bot_battle.listening import Listener
 from laser_bot_battle.master import Master, MasterWatch
 from laser_bot_battle.settings import Variable, describe
 from server.program.ros_address import settle
@@ -82,10 +83,10 @@ class Program:
         self._begins_anew = False
         self.ending = threading.Event()
 
-    def run(self, serve: Callable[[socket.socket], AbstractContextManager[None]]) -> int:
+    def run(self, serve: Callable[[Listener], AbstractContextManager[None]]) -> int:
         """Do the work `serve` until the end; returns the exit code. For the main thread.
 
-        The work gets a socket that has the port but does not listen yet: until all is ready, connections are refused.
+        The work gets sockets that have the port but do not listen yet: until all is ready, connections are refused.
         """
         # Python calls a handler in this thread only, and not at all if the signal comes just before the thread begins
         # to wait; but it writes the signal's number into a socket at once.
@@ -99,7 +100,7 @@ class Program:
         obeying.start()
         bind, port = self.settings.bind, self.settings.port
         try:
-            listener = _bind(bind, port)
+            listener = listening.bind(bind, port)
         except OSError as error:
             _log.error(
                 "cannot listen on %s port %d: %s; stop the program that uses it, or set LASERBOT_BIND or %s",
@@ -147,7 +148,7 @@ class Program:
         thread.start()
         return thread
 
-    def _live(self, serve: Callable[[socket.socket], AbstractContextManager[None]], listener: socket.socket) -> None:
+    def _live(self, serve: Callable[[Listener], AbstractContextManager[None]], listener: Listener) -> None:
         master = Master(self.settings.master_uri, self.name)
         if not master.wait(self.ending):
             return
@@ -179,17 +180,3 @@ class Program:
         if self._begins_anew:
             os.execve(sys.executable, sys.orig_argv, self._environment)
         return self._exit_code
-
-
-def _bind(address: str, port: int) -> socket.socket:
-    family, kind, protocol, _, place = socket.getaddrinfo(
-        address, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-    )[0]
-    listener = socket.socket(family, kind, protocol)
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(place)
-    except OSError:
-        listener.close()
-        raise
-    return listener

@@ -2,11 +2,11 @@
 
 import asyncio
 import logging
-import socket
 import sys
 
 from laser_bot_battle import priority  # isort: split
 
+from laser_bot_battle.listening import Listener
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import ROSAPI_NODE, ROSBRIDGE_NODE
 from laser_bot_battle.settings import read_or_exit
@@ -41,7 +41,7 @@ def main() -> int:
     return program.run(lambda listener: work_in_loop(program, "rosbridge", lambda: _talk(program, settings, listener)))
 
 
-async def _talk(program: Program, settings: Settings, listener: socket.socket) -> None:
+async def _talk(program: Program, settings: Settings, listener: Listener) -> None:
     types = Types()
     async with ros_node(program, ROSBRIDGE_NODE) as own_node, ros_node(program, ROSAPI_NODE) as rosapi_node:
         clock = await clock_of(own_node)

@@ -79,7 +79,7 @@ def _add_sign_up(api: Blueprint, game: GameLoop) -> None:
             address=visitor_mark(),
         )
         if verdict is Verdict.NAME_TAKEN:
-            _log.info("the name %s is taken: %s has to choose another", name, request.remote_addr)
+            _log.info("the name %s is taken: %s has to choose another", name, visitor_address())
         if verdict is Verdict.NAME_BANNED:
             _refuse(403, "the operator has banned this name: choose another", user=name)
         if verdict is Verdict.NAME_UNWANTED:
@@ -205,7 +205,7 @@ def reply(http_status: int = 200, **content: Any) -> Response:
     `<`, `>`, `&` and `'` are written as JSON escapes, since browsers take the body for HTML.
     """
     if http_status >= 400:
-        _log.warning("%s from %s refused: %s", request.path, request.remote_addr, content.get("error"))
+        _log.warning("%s from %s refused: %s", request.path, visitor_address(), content.get("error"))
     return _response(_text(content), http_status)
 
 

@@ -6,7 +6,6 @@ one of them that has waited longest for a complete request. A request that is no
 Proxies have places of their own: they share them out among their visitors.
 """
 
-import socket
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -17,6 +16,7 @@ from waitress.channel import HTTPChannel
 from waitress.parser import HTTPRequestParser, ParsingError
 from waitress.server import TcpWSGIServer
 
+from laser_bot_battle.listening import Listener
 from laser_bot_battle.open_files import allow_files
 from laser_bot_battle.proxies import FORWARDED, THIS_MACHINE, Network, is_proxy, visitor
 from server.web.lanes import Lane, Lanes, Task
@@ -88,7 +88,7 @@ class _Channel(HTTPChannel):  # type: ignore[misc]
 
 
 class FairServer(TcpWSGIServer):  # type: ignore[misc]
-    """Serves `application` on `listener`, a bound socket, once `run` is called. `channels` is waitress' map of all that
+    """Serves `application` on `listener`, which is bound, once `run` is called. `channels` is waitress' map of all that
     the loop looks after; `lane` says which lane a request is in, by its method and path."""
 
     channel_class = _Channel
@@ -96,7 +96,7 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
     def __init__(
         self,
         application: WSGIApplication,
-        listener: socket.socket,
+        listener: Listener,
         channels: dict[int, Any],
         lane: Callable[[str, str], Lane],
         proxies: Sequence[Network] = (),

@@ -69,7 +69,7 @@ def refusal(code: int, error: str) -> Response:
 def log_refusal(code: int, error: str) -> None:
     """A line of log, but none for guesses that come too often: whoever guesses says how many these are."""
     if code != HTTPStatus.TOO_MANY_REQUESTS:
-        _log.warning("%s from %s refused: %s", request.path, request.remote_addr, error)
+        _log.warning("%s from %s refused: %s", request.path, visitor_address(), error)
 
 
 def json_body(**fields: tuple[type, ...]) -> dict[str, Any]:

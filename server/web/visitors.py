@@ -7,6 +7,7 @@ import time
 
 from flask import current_app, request
 
+from laser_bot_battle.plain_address import plain_address
 from laser_bot_battle.proxies import FORWARDED, SCHEME, THIS_MACHINE, is_proxy, visitor
 from laser_bot_battle.token_bucket import TokenBuckets
 
@@ -40,6 +41,6 @@ class SignUps:
 
     def wait(self) -> float:
         """Count the request as a sign-up, or (not 0) return the s until there may be one from its address."""
-        if request.remote_addr in THIS_MACHINE and FORWARDED not in request.headers:
+        if plain_address(request.remote_addr or "") in THIS_MACHINE and FORWARDED not in request.headers:
             return 0.0
         return self._buckets.take(visitor_address(), time.monotonic())

@@ -11,6 +11,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
+from laser_bot_battle.plain_address import plain_address
 from laser_bot_battle.proxies import FORWARDED, is_proxy, visitor
 from server.access.identity import Identity
 from server.websocket.connection import Connection
@@ -41,7 +42,8 @@ class Opening(asyncio.BufferedProtocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._transport = cast(asyncio.Transport, transport)  # uvloop's are no subclass
-        self.address, *_ = transport.get_extra_info("peername") or ("nobody",)
+        address, *_ = transport.get_extra_info("peername") or ("nobody",)
+        self.address = plain_address(address)
         # a proxy's address does not say yet who comes
         is_many = is_proxy(self.address, self._state.proxies)
         may_stay = self._state.openings.add(self, self._state.loop.time(), is_many=is_many)

@@ -9,6 +9,7 @@ from typing import Self
 
 from websockets.frames import CloseCode
 
+from laser_bot_battle.listening import Listener
 from laser_bot_battle.open_files import allow_files
 from laser_bot_battle.openings import OPEN_TIMEOUT, Openings
 from laser_bot_battle.proxies import Network
@@ -34,7 +35,7 @@ class WebSocketServer:
     def __init__(
         self,
         bridge: Bridge,
-        listener: socket.socket,
+        listener: Listener,
         identify: Identify,
         limits: Limits | None = None,
         proxies: Sequence[Network] = (),
@@ -45,7 +46,7 @@ class WebSocketServer:
         self._proxies = proxies
         self._limits = limits or Limits()
         self._state: ServerState
-        self._server: asyncio.Server
+        self._servers: list[asyncio.Server] = []
         self._timer: asyncio.TimerHandle
         self._next_tick = 0.0
 
@@ -57,7 +58,8 @@ class WebSocketServer:
         self._state = ServerState(loop, self._bridge, sockets, Scheduler(loop), openings, self._proxies)
         allow_files(self._limits.clients + self._limits.all_opening + SPARE_FILES)
         self._listener.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER)  # its connections inherit it
-        self._server = await loop.create_server(self._open, sock=self._listener, backlog=BACKLOG)
+        for each in self._listener.sockets:
+            self._servers.append(await loop.create_server(self._open, sock=each, backlog=BACKLOG))
         self._next_tick = loop.time() + TICK
         self._timer = loop.call_at(self._next_tick, self._tick)
         return self
@@ -65,7 +67,8 @@ class WebSocketServer:
     async def __aexit__(self, kind: type[BaseException] | None, value: object, trace: TracebackType | None) -> None:
         """Close all sockets with 1001."""
         self._timer.cancel()
-        self._server.close()
+        for server in self._servers:
+            server.close()
         self._state.ending = True
         for opening in self._state.openings:
             opening.cut()
@@ -75,7 +78,8 @@ class WebSocketServer:
         self._state.left()
         with contextlib.suppress(TimeoutError):
             await asyncio.wait_for(self._state.empty.wait(), 2 * CLOSE_TIMEOUT)
-        await self._server.wait_closed()
+        for server in self._servers:
+            await server.wait_closed()
 
     def _open(self) -> Opening:
         return Opening(self._state, self._identify)

@@ -8,6 +8,7 @@ import socket
 from collections.abc import Iterable
 from typing import NoReturn
 
+from laser_bot_battle.listening import addresses
 from laser_bot_battle.openings import OPEN_TIMEOUT, Openings
 from sim.arena import ambient, protocol
 from sim.arena.ambient import Ambient
@@ -91,7 +92,7 @@ class Link:
 
     async def start(self, bind: str, port: int) -> None:
         """Listen; OSError if that is impossible."""
-        self._server = await asyncio.start_server(self._serve, bind, port, limit=protocol.MAX_LINE)
+        self._server = await asyncio.start_server(self._serve, addresses(bind), port, limit=protocol.MAX_LINE)
         if self._ambient.remote:
             self._remote = asyncio.create_task(self._press_keys())
 

@@ -5,7 +5,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import cast
 
+from laser_bot_battle.listening import addresses
 from laser_bot_battle.openings import MOST, OF_ADDRESS, OPEN_TIMEOUT, Openings
+from laser_bot_battle.plain_address import plain_address
 from laser_bot_battle.proxies import Network, is_proxy
 from sim.arena.viewers import MAX_VIEWERS
 
@@ -31,7 +33,7 @@ class Visits:
     async def start(self, bind: str, port: int) -> None:
         """OSError if the port cannot be had."""
         loop = asyncio.get_running_loop()
-        self._server = await loop.create_server(lambda: _Visit(self), bind, port, backlog=BACKLOG)
+        self._server = await loop.create_server(lambda: _Visit(self), addresses(bind), port, backlog=BACKLOG)
         self._tick()
 
     def stop(self) -> None:
@@ -64,7 +66,8 @@ class _Visit(asyncio.Protocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         self._transport = cast(asyncio.Transport, transport)
-        self.address, *_ = transport.get_extra_info("peername") or ("nobody",)
+        address, *_ = transport.get_extra_info("peername") or ("nobody",)
+        self.address = plain_address(address)
         visits = self._visits
         is_many = is_proxy(self.address, visits.proxies)
         visits.taken[self.address] += 1

@@ -2,12 +2,15 @@
 
 import contextlib
 import math
+import socket
 import time
 from collections.abc import Iterator
+from urllib.parse import urlsplit
 
 import pytest
 import requests
 
+from laser_bot_battle.master import Master
 from tests.support.demo import Demo
 from tests.support.play import PLAYING, hunt_down, obeys, reconnect, shoot_to_the_end, stands_still, start
 from tests.support.player import Eyes, Player
@@ -45,6 +48,22 @@ def test_a_command_turns_the_wheels_and_silence_stops_them(battle: Demo, players
         )
         stands_still(ann, eyes)  # no more commands: the dead-man stops the wheels
         assert eyes.robots()[bob.robot]["heading"] == other_before["heading"], "nobody drove Bob's robot"
+
+
+@pytest.mark.parametrize("address", ["127.0.0.1", "::1"])
+def test_all_that_listens_is_at_either_address_of_localhost(battle: Demo, address: str) -> None:
+    """A client may try only the first that the name has."""
+    for port in battle.ports.values():
+        with socket.create_connection((address, port), 5):
+            pass
+    master = Master(f"http://127.0.0.1:{battle.ports['LASERBOT_ROS_PORT']}", "test")
+    nodes = {node for kind in master.call("getSystemState") for _, names in kind for node in names}
+    assert {"/robots_server", "/rosbridge_websocket", "/Robot0"} <= nodes
+    places = [master.call("lookupNode", node) for node in nodes if "id_service_client" not in node]
+    places += [master.call("lookupService", service) for service in ("/add_new_robot", "/rosapi/topics")]
+    for place in places:
+        with socket.create_connection((address, urlsplit(place).port), 5):
+            pass
 
 
 def test_shots_lower_the_life_on_every_page_and_end_the_battle(battle: Demo, players: tuple[Player, Player]) -> None:

@@ -65,6 +65,12 @@ def watched() -> Iterator[Watched]:
         yield Watched(battle, port)
 
 
+def test_programs_can_be_watched_at_either_address_of_localhost(watched: Watched) -> None:
+    for number in range(len(WATCHED)):
+        for address in ("127.0.0.1", "[::1]"):
+            assert requests.get(f"http://{address}:{watched.port + number}/healthz", timeout=30).text == "ok\n"
+
+
 @pytest.fixture(scope="module")
 def prometheus(watched: Watched, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ask]:
     """Debian's, with the configuration that is shipped, but for its ports. Asked by a query, it answers with series."""

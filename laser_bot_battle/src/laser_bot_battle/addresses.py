@@ -9,6 +9,8 @@ from typing import Any
 
 import ifaddr
 
+from laser_bot_battle.plain_address import plain_address
+
 # of containers' engines, Kubernetes and virtual machines: whoever is there is on this machine
 _INTERNAL = re.compile(r"docker|br-[0-9a-f]{12}$|veth|virbr|cni|flannel|podman")
 _LASTS = 5.0  # s that the addresses of this machine are taken to stay
@@ -57,13 +59,16 @@ def own_addresses() -> set[str]:
 
 
 def machine_of(address: str) -> str:
-    """The address, or 127.0.0.1 for each that an interface of this machine has: they all mean the same."""
+    """The address, or 127.0.0.1 for each, of either family, that an interface of this machine has: they all mean the
+    same."""
+    address = plain_address(address)
     return "127.0.0.1" if address in _own_addresses(int(time.monotonic() / _LASTS)) else address
 
 
 @lru_cache(maxsize=1)
 def _own_addresses(_turn: int) -> frozenset[str]:
-    return frozenset(own_addresses())
+    by_ipv6 = (str(address.ip[0]) for adapter in _adapters() for address in adapter.ips if address.is_IPv6)
+    return frozenset(own_addresses()).union(by_ipv6)
 
 
 def local_address(host: str, port: int) -> str:

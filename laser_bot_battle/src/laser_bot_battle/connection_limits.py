@@ -6,6 +6,8 @@ import socket
 import threading
 import time
 
+from laser_bot_battle.plain_address import plain_address
+
 
 class ConnectionLimits:
     """`most` connections, `of_one` of them from each other machine; when there are too many, those go that have been
@@ -18,6 +20,7 @@ class ConnectionLimits:
 
     def take(self, peer: socket.socket, address: str) -> bool:
         """Whether there is a place for it. Who closes the connection leaves its place."""
+        address = plain_address(address)
         with self._lock:
             self._taken = {other: taken for other, taken in self._taken.items() if other.fileno() != -1}
             own = sum(machine == address for machine, _ in self._taken.values())

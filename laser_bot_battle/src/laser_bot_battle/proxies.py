@@ -5,6 +5,7 @@ from contextlib import suppress
 from ipaddress import IPv4Network, IPv6Network, ip_address, ip_network
 
 from laser_bot_battle import variables
+from laser_bot_battle.plain_address import plain_address
 
 Network = IPv4Network | IPv6Network
 
@@ -15,12 +16,10 @@ THIS_MACHINE = ("127.0.0.1", "::1")
 
 def visitor(peer: str, forwarded: str | None, proxies: Sequence[Network]) -> str:
     """The visitor's address: the peer's, or, if that is a proxy, the last of the header X-Forwarded-For."""
-    if forwarded is None or not is_proxy(peer, proxies):
-        return peer
-    try:
-        return str(ip_address(forwarded.rpartition(",")[2].strip()))
-    except ValueError:
-        return peer
+    if forwarded is not None and is_proxy(peer, proxies):
+        with suppress(ValueError):
+            return plain_address(str(ip_address(forwarded.rpartition(",")[2].strip())))
+    return plain_address(peer)
 
 
 def believed(environ: Mapping[str, str]) -> tuple[Network, ...]:
@@ -35,7 +34,7 @@ def believed(environ: Mapping[str, str]) -> tuple[Network, ...]:
 def is_proxy(peer: str, proxies: Sequence[Network]) -> bool:
     """Whether the address is one of those proxies'."""
     try:
-        address = ip_address(peer)
+        address = ip_address(plain_address(peer))
     except ValueError:
         return False
     return any(address in network for network in proxies)

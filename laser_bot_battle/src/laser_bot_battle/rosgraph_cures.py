@@ -1,15 +1,18 @@
-"""A cure for rosgraph's fault in the ROS master and in each rospy node.
+"""Cures for rosgraph's faults in the ROS master and in each rospy node.
 
-**Endless requests**: its XML-RPC server has a thread for each connection, which waits for ever for what the caller has
-promised, and keeps all of it. Shown by tests/integration/tcpros/test_cures.py.
+- **Endless requests**: its XML-RPC server has a thread for each connection, which waits for ever for what the caller
+  has promised, and keeps all of it. Shown by tests/integration/tcpros/test_cures.py.
+- **One family**: it listens by IPv4 only, or by IPv6 only. Shown by tests/integration/test_battle.py.
 """
 
 import re
 import socket
 from typing import Any
+from xmlrpc.server import SimpleXMLRPCServer
 
 from rosgraph import xmlrpc
 
+from laser_bot_battle import listening
 from laser_bot_battle.connection_limits import ConnectionLimits
 
 PATIENCE = 5.0  # s for a request, or until the next one of a connection: whoever asks then connects anew
@@ -43,9 +46,15 @@ class _Handler(xmlrpc.SilenceableXMLRPCRequestHandler):  # type: ignore[misc]
 
 
 class _Server(xmlrpc.ThreadingXMLRPCServer):  # type: ignore[misc]
-    def __init__(self, *arguments: Any, **options: Any) -> None:
+    request_queue_size = 128  # connections that the kernel holds until they are accepted, as rosgraph has it
+
+    def __init__(self, address: tuple[str, int], log_requests: bool = True) -> None:
         self.limits = ConnectionLimits(MAX_CONNECTIONS, PATIENCE, MAX_OF_ONE_MACHINE)
-        super().__init__(*arguments, **options)
+        SimpleXMLRPCServer.__init__(self, address, _Handler, log_requests, bind_and_activate=False)
+        self.server_close()  # the socket that it has made itself
+        self.socket = listening.bind(*address)  # it does all that the server asks of one
+        self.server_address = self.socket.getsockname()
+        self.server_activate()
 
     def verify_request(self, request: socket.socket, client_address: tuple[Any, ...]) -> bool:
         return self.limits.take(request, client_address[0])

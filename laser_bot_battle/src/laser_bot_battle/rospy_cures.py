@@ -3,6 +3,7 @@
 - **Stalled greeting**: the thread that accepts connections reads each one's header, without a time-out. A robot that
   loses its Wi-Fi there blocks the node for ever. `cure_rospy`, shown by tests/integration/tcpros/test_cures.py.
 - **Endless header, endless message**: all of what somebody declares to be 4 GiB long is kept. The same.
+- **One family**: it listens by IPv4 only, or by IPv6 only. `cure_rospy`, shown by tests/integration/test_battle.py.
 - **Countless calls, unknown callers**: each call of a service has a thread for as long as its caller likes, and the
   handler cannot tell who calls. `cure_services`, shown by the same tests.
 - **Missed publisher**: one that appears in the moment of subscribing, or did not answer at once, is forgotten.
@@ -21,17 +22,19 @@ from io import BytesIO
 
 import genpy
 import rospy
-from rosgraph.network import ROSHandshakeException, read_ros_handshake_header
+from rosgraph.network import ROSHandshakeException, get_bind_address, read_ros_handshake_header
 from rospy import topics
 from rospy.exceptions import TransportTerminated
 from rospy.impl import tcpros_base, tcpros_service
 from rospy.impl.registration import Registration, get_topic_manager
 
+from laser_bot_battle import listening
 from laser_bot_battle.connection_limits import ConnectionLimits
 from laser_bot_battle.master import Master, MasterError
 from laser_bot_battle.rosgraph_cures import cure_xmlrpc
 
 PEER = "laserbot_peer"  # a field of the connection headers that `name_peers` adds: the peer's address
+BACKLOG = 5  # connections that the kernel holds until they are accepted, as rospy has it
 GREETING = 5.0  # s
 MAX_HEADER = 2**20  # bytes
 MAX_MESSAGE = 4 * 2**20  # bytes; what the nodes with rospy exchange has some hundred
@@ -48,8 +51,9 @@ _receive = tcpros_base.recv_buff
 
 
 def cure_rospy() -> None:
-    """Stalled greetings, endless headers and messages. Call it once, before `init_node`."""
+    """Stalled greetings, endless headers and messages, one family. Call it once, before `init_node`."""
     cure_xmlrpc()
+    tcpros_base.TCPServer._create_server_sock = _listen
     tcpros_base.read_ros_handshake_header = _read_header
     tcpros_base.recv_buff = tcpros_service.recv_buff = _receive_bounded
     server = tcpros_base.init_tcpros_server()
@@ -148,6 +152,13 @@ def hear_again(subscriptions: Iterable[Subscription], master: Master, now: float
     for subscription in unheard:
         if subscription.name in published:
             subscription.hear_again(now)
+
+
+def _listen(server: tcpros_base.TCPServer) -> listening.Listener:
+    listener = listening.bind(get_bind_address(), server.port)
+    server.addr, server.port, *_ = listener.getsockname()
+    listener.listen(BACKLOG)
+    return listener
 
 
 def _read_header(peer: socket.socket, buffer: BytesIO, size: int) -> dict[str, str]:

@@ -122,7 +122,8 @@ def _master_uri(text: str) -> str:
 BIND = words(
     "LASERBOT_BIND",
     "0.0.0.0",
-    "address on which the web server, rosbridge and the arena listen",
+    "address on which the web server, rosbridge, the cameras' relay, the front and the arena listen. `0.0.0.0`: all of "
+    "this machine's, of IPv6, too; `127.0.0.1`: for programs on this machine only, also at `::1`",
     "`0.0.0.0` (demo: `127.0.0.1`)",
 )
 WEB = port("LASERBOT_WEB_PORT", WEB_PORT, "the game's pages")

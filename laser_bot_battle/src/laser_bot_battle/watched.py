@@ -6,7 +6,6 @@ costs a command next to nothing, and a visit shows that the owner answers.
 
 import asyncio
 import logging
-import socket
 import socketserver
 import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -21,6 +20,7 @@ from prometheus_client import CONTENT_TYPE_LATEST, CollectorRegistry, ProcessCol
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 from prometheus_client.registry import Collector
 
+from laser_bot_battle import listening
 from laser_bot_battle.names import WATCHED
 
 T = TypeVar("T")
@@ -112,15 +112,17 @@ class _Metrics(Collector):
 
 
 class _Server(socketserver.ThreadingTCPServer):
-    allow_reuse_address = daemon_threads = True
+    daemon_threads = True
 
     def __init__(self, bind: str, port: int, owner: Owner) -> None:
-        self.address_family = socket.AF_INET6 if ":" in bind else socket.AF_INET
         self.owner = owner
         self.registry = CollectorRegistry()
         self.registry.register(_Metrics(owner))
         ProcessCollector(registry=self.registry)
-        super().__init__((bind, port), _Visitor)
+        super().__init__((bind, port), _Visitor, bind_and_activate=False)
+        self.socket.close()
+        self.socket = listening.bind(bind, port)  # type: ignore[assignment]  # it does all that the server asks of one
+        self.server_activate()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         _log.debug("a visitor at %s was lost", client_address, exc_info=True)

@@ -5,6 +5,7 @@ import logging
 import socket
 from collections.abc import Mapping
 
+from laser_bot_battle.listening import Listener
 from tcpros import sockets
 from tcpros.header import HeaderError
 from tcpros.publisher import Publisher
@@ -23,13 +24,14 @@ class Inbound:
     def __init__(self, node: str, publishers: Mapping[str, Publisher], services: Mapping[str, Service]) -> None:
         self._node, self._publishers, self._services = node, publishers, services
         self._greeting = 0
-        self._listener: socket.socket | None = None
+        self._listener: Listener | None = None
         self._tasks: set[asyncio.Task[None]] = set()
 
     def start(self) -> int:
         """Listen; returns the port. OSError when the address of this machine is impossible."""
         self._listener = sockets.listen()
-        self._keep(asyncio.get_running_loop().create_task(self._accept(self._listener)))
+        for each in self._listener.sockets:
+            self._keep(asyncio.get_running_loop().create_task(self._accept(each)))
         return int(self._listener.getsockname()[1])
 
     async def close(self) -> None:

@@ -7,22 +7,17 @@ from contextlib import suppress
 
 import rosgraph.network
 
+from laser_bot_battle import listening
 from tcpros.header import LENGTH, MAX_LENGTH, HeaderError, decode, encode
 
 # How long a peer may take to say what it wants.
 GREETING = 5.0  # s
 
 
-def listen() -> socket.socket:
-    """A non-blocking TCP socket that listens on a free port."""
-    listener = socket.socket(_family(), socket.SOCK_STREAM)
-    try:
-        listener.setblocking(False)
-        listener.bind((rosgraph.network.get_bind_address(), 0))
-        listener.listen(128)
-    except OSError:
-        listener.close()
-        raise
+def listen() -> listening.Listener:
+    """Non-blocking TCP sockets that listen on a free port."""
+    listener = listening.bind(rosgraph.network.get_bind_address(), 0)
+    listener.listen(128)
     return listener
 
 

@@ -3,11 +3,11 @@
 import asyncio
 import contextlib
 import logging
-import socket
 import xmlrpc.client
 from collections.abc import Callable
 from typing import Any
 
+from laser_bot_battle.listening import Listener
 from tcpros import sockets
 from tcpros.sockets import GREETING
 
@@ -22,15 +22,16 @@ class XmlRpcServer:
 
     def __init__(self, handle: Callable[[str, tuple[Any, ...]], Any]) -> None:
         self._handle = handle
-        self._server: asyncio.Server | None = None
+        self._servers: list[asyncio.Server] = []
         self._connections: set[asyncio.Task[None]] = set()
 
-    async def start(self, listener: socket.socket) -> None:
-        self._server = await asyncio.start_server(self._connected, sock=listener, limit=2**14)
+    async def start(self, listener: Listener) -> None:
+        for each in listener.sockets:
+            self._servers.append(await asyncio.start_server(self._connected, sock=each, limit=2**14))
 
     async def close(self) -> None:
-        if self._server is not None:
-            self._server.close()
+        for server in self._servers:
+            server.close()
         for task in self._connections:
             task.cancel()
         await asyncio.gather(*self._connections, return_exceptions=True)

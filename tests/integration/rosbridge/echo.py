@@ -9,6 +9,8 @@ from typing import Any, Self
 
 from websockets.sync.client import ClientConnection, connect
 
+from laser_bot_battle import listening
+from laser_bot_battle.listening import Listener
 from server.access.identity import GUEST, OPERATOR, Identity
 from server.websocket.connection import Connection
 from server.websocket.frames import frame
@@ -68,10 +70,12 @@ def identify(origin: str | None, host: str | None, cookies: list[str]) -> Identi
 class EchoServer:
     """Runs in a thread while in a `with`."""
 
-    def __init__(self, loop_factory: LoopFactory, limits: Limits | None = None) -> None:
+    def __init__(
+        self, loop_factory: LoopFactory, limits: Limits | None = None, listener: Listener | None = None
+    ) -> None:
         self.bridge = EchoBridge()
         self._loop_factory, self._limits = loop_factory, limits
-        self._listener = socket.create_server(("127.0.0.1", 0))
+        self._listener = listener or listening.bind("127.0.0.1", 0)
         self.port = int(self._listener.getsockname()[1])
         self._ready, self._end = threading.Event(), asyncio.Event()
         self._loop: asyncio.AbstractEventLoop

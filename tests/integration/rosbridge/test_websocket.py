@@ -16,6 +16,7 @@ import uvloop
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.connection import Connection
 
+from laser_bot_battle.listening import Listener
 from server.websocket import connection as module
 from server.websocket import server as server_module
 from server.websocket.limits import Limits
@@ -126,6 +127,15 @@ def test_what_is_no_handshake_is_refused(
     assert ("\r\nUpgrade: websocket\r\n" in reply) == (status == 426)
     assert not [record for record in caplog.records if record.exc_info]
     assert not echo.bridge.came
+
+
+def test_a_visitor_by_ipv4_has_the_places_of_that_address_wherever_it_is_accepted(loop_factory: LoopFactory) -> None:
+    """A socket for both families calls it ::ffff:127.0.0.1."""
+    both = Listener(socket.create_server(("::", 0), family=socket.AF_INET6, dualstack_ipv6=True))
+    with EchoServer(loop_factory, listener=both) as echo, echo.client() as client:
+        client.send("hello")
+        assert client.recv() == "hello"
+        assert [name.rpartition(":")[0] for name in echo.bridge.came] == ["127.0.0.1"]
 
 
 def test_everybody_has_places_and_a_full_server_is_alive(loop_factory: LoopFactory) -> None:

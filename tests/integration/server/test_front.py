@@ -1,5 +1,6 @@
 """nginx as the front runs it, where what leads to it has other ports, and where the arena is another machine's."""
 
+import re
 import socket
 import subprocess
 import threading
@@ -65,6 +66,20 @@ def test_it_names_its_own_port_of_tls_to_who_sees_its_own_ports(
 ) -> None:
     text = configuration(FrontSettings.from_env(ports), tmp_path, is_root=False)
     assert f'default "{usual}";\n        ~:\\d+$ "{named}";' in text
+
+
+@pytest.mark.parametrize(
+    ("bind", "listens", "programs"),
+    [
+        ("0.0.0.0", ["0.0.0.0:80", "[::]:80 ipv6only=on"], "127.0.0.1"),
+        ("127.0.0.1", ["127.0.0.1:80", "[::1]:80 ipv6only=on"], "127.0.0.1"),
+        ("127.0.0.2", ["127.0.0.2:80"], "127.0.0.2"),
+    ],
+)
+def test_it_listens_where_the_programs_do(tmp_path: Path, bind: str, listens: list[str], programs: str) -> None:
+    text = configuration(FrontSettings.from_env({"LASERBOT_BIND": bind}), tmp_path, is_root=False)
+    assert re.findall(r"listen (.*) backlog", text) == listens
+    assert f"server {programs}:5000;" in text
 
 
 def test_the_arena_may_be_another_machines() -> None:

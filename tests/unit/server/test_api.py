@@ -235,6 +235,8 @@ def test_many_sign_up_with_one_name_at_the_same_instant(site):
         ("127.0.0.1", {"X-Forwarded-For": "9.9.9.9, 10.0.0.7"}),
         ("127.0.0.1", {"X-Forwarded-For": "nonsense"}),
         ("::1", {"X-Forwarded-For": "10.0.0.7"}),
+        ("::ffff:10.0.0.7", {}),
+        ("::ffff:127.0.0.1", {"X-Forwarded-For": "::ffff:10.0.0.7"}),
     ],
 )
 def test_an_address_signs_up_four_times_at_once_and_then_waits(peer, headers):
@@ -256,9 +258,21 @@ def test_an_address_signs_up_four_times_at_once_and_then_waits(peer, headers):
     assert body(other)["status"] == "OK", "nobody else waits for it"
 
 
-def test_who_plays_on_this_machine_never_waits():
+def test_an_address_of_ipv4_is_the_same_however_a_socket_calls_it():
     site = Site(robots=8)
-    assert [sign_up(site.browser(), name)["status"] for name in "abcdefgh"] == ["OK"] * 8
+    peers = [{"REMOTE_ADDR": peer} for peer in ("10.0.0.7", "::ffff:10.0.0.7", "::ffff:a00:7", "10.0.0.7")]
+    for name, peer in zip("abcd", peers, strict=True):
+        site.browser().post("/signUpUser", data={"data": name}, environ_base=peer)
+    for peer in peers:
+        assert site.browser().post("/signUpUser", data={"data": "e"}, environ_base=peer).status_code == 429
+
+
+@pytest.mark.parametrize("peer", ["127.0.0.1", "::1", "::ffff:127.0.0.1"])
+def test_who_plays_on_this_machine_never_waits(peer):
+    site = Site(robots=8)
+    for name in "abcdefgh":
+        answer = site.browser().post("/signUpUser", data={"data": name}, environ_base={"REMOTE_ADDR": peer})
+        assert body(answer)["status"] == "OK"
 
 
 def test_a_slip_in_the_name_costs_no_sign_up(site):
@@ -471,7 +485,7 @@ def test_a_ping_from_another_address_than_the_robots_changes_nothing(site, brows
 
 def test_a_robot_on_this_machine_may_ping_by_any_of_its_addresses(site, browser):
     site.battle.add_robot("/original", address=machine_of("127.0.0.1"))
-    for address in ("127.0.0.1", *own_addresses()):
+    for address in ("127.0.0.1", "::1", "::ffff:127.0.0.1", *own_addresses()):
         ping = browser.post("/incAlive", data={"ID": "3"}, environ_base={"REMOTE_ADDR": address})
         assert ping.text == '{"status": "OK"}', address
     elsewhere = {"REMOTE_ADDR": "203.0.113.7"}

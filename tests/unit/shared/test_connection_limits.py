@@ -25,8 +25,10 @@ def test_one_machine_has_a_part_of_the_places_and_this_machine_all(
 ) -> None:
     limits = ConnectionLimits(most=5, longest=60, of_one=2)
     peers = [peer for peer, _ in sockets]
-    assert [limits.take(peer, "10.0.0.1") for peer in peers[:3]] == [True, True, False]
-    assert [limits.take(peer, "127.0.0.1") for peer in peers[2:]] == [True, True, True, False]
+    addresses = ("10.0.0.1", "::ffff:10.0.0.1", "10.0.0.1")
+    assert [limits.take(peer, address) for peer, address in zip(peers, addresses, strict=False)] == [True, True, False]
+    here = ("127.0.0.1", "::1", "::ffff:127.0.0.1", "127.0.0.1")
+    assert [limits.take(peer, address) for peer, address in zip(peers[2:], here, strict=True)] == [*[True] * 3, False]
     peers[0].close()
     assert limits.take(peers[5], "10.0.0.1"), "who has closed has left"
 

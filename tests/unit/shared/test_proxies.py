@@ -22,6 +22,11 @@ PROXIES = [ip_network("127.0.0.1"), ip_network("10.42.0.0/16"), ip_network("::1"
         ("127.0.0.1", "nonsense", "127.0.0.1"),
         ("127.0.0.1", "", "127.0.0.1"),
         ("", "10.0.0.7", ""),
+        # as a socket for both families calls an address of IPv4
+        ("::ffff:10.0.0.7", None, "10.0.0.7"),
+        ("::ffff:127.0.0.1", "::FFFF:10.0.0.7", "10.0.0.7"),
+        ("::ffff:a2a:304", "10.0.0.7", "10.0.0.7"),
+        ("::ffff:10.43.3.4", "10.0.0.7", "10.43.3.4"),
     ],
 )
 def test_a_proxy_is_believed_and_nobody_else(peer: str, forwarded: str | None, address: str) -> None:
