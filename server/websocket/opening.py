@@ -11,6 +11,7 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 from websockets.server import ServerProtocol
 
+from laser_bot_battle import subprotocols
 from laser_bot_battle.plain_address import plain_address
 from laser_bot_battle.proxies import FORWARDED, is_proxy, visitor
 from server.access.identity import Identity
@@ -101,12 +102,17 @@ class Opening(asyncio.BufferedProtocol):
             response.headers["Connection"] = "Upgrade, close"  # RFC 9110 7.8 wants it with every Upgrade
             self._refuse(response)
             return
+        offers = request.headers.get_all(subprotocols.HEADER)
+        if offers:
+            del request.headers[subprotocols.HEADER]  # the library refuses one that is not written well
         response = protocol.accept(request)
         if response.status_code == HTTPStatus.INTERNAL_SERVER_ERROR:  # headers that the library cannot read
             response = plain(HTTPStatus.BAD_REQUEST, NO_HANDSHAKE)
         if response.status_code != HTTPStatus.SWITCHING_PROTOCOLS:
             self._refuse(response)
             return
+        if subprotocol := subprotocols.chosen(offers):
+            response.headers[subprotocols.HEADER] = subprotocol
         self._enter(request.headers, response, rest)
 
     def _enter(self, headers: Headers, response: Response, rest: bytes) -> None:

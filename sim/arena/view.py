@@ -12,6 +12,7 @@ from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
+from laser_bot_battle import subprotocols
 from laser_bot_battle.hosts import is_valid_host
 from laser_bot_battle.names import FRONT_HEADER
 from laser_bot_battle.proxies import FORWARDED, Network, visitor
@@ -162,9 +163,15 @@ class View:
         address = visitor(request.remote or "", forwarded, self._proxies)
         if reason := self._viewers.refusal(address):
             raise web.HTTPServiceUnavailable(text=reason)
+        subprotocol = subprotocols.chosen(request.headers.getall(subprotocols.HEADER, []))
         # uncompressed: each viewer would cost the time to compress every state anew
         opened = web.WebSocketResponse(
-            heartbeat=10, max_msg_size=1024, timeout=1.0, writer_limit=MAX_UNSENT, compress=False
+            heartbeat=10,
+            max_msg_size=1024,
+            timeout=1.0,
+            writer_limit=MAX_UNSENT,
+            compress=False,
+            protocols=[subprotocol] if subprotocol else [],
         )
         viewer = Viewer(address)
         self._viewers.add(viewer)

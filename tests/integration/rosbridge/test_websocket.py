@@ -15,6 +15,7 @@ import pytest
 import uvloop
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.connection import Connection
+from websockets.typing import Subprotocol
 
 from laser_bot_battle.listening import Listener
 from server.websocket import connection as module
@@ -127,6 +128,38 @@ def test_what_is_no_handshake_is_refused(
     assert ("\r\nUpgrade: websocket\r\n" in reply) == (status == 426)
     assert not [record for record in caplog.records if record.exc_info]
     assert not echo.bridge.came
+
+
+@pytest.mark.parametrize(
+    ("offers", "chosen"),
+    [
+        ([], None),
+        (["v1.rosbridge.example"], "v1.rosbridge.example"),
+        (["b, a", "c"], "b"),
+        (["a b,, \t~!x , c"], "~!x"),  # no name has spaces
+        (["", "wamp/2, \u0441"], None),
+        (["a, a"], "a"),
+    ],
+)
+def test_of_sub_protocols_a_client_gets_the_first_that_can_be_one(
+    echo: EchoServer, offers: list[str], chosen: str | None
+) -> None:
+    offered = "".join(f"Sec-WebSocket-Protocol: {offer}\r\n" for offer in offers)
+    with echo.raw() as client:
+        client.sendall(HANDSHAKE.replace("Upgrade: websocket\r\n", f"Upgrade: websocket\r\n{offered}").encode())
+        heard = b""
+        while b"\r\n\r\n" not in heard:
+            heard += client.recv(4096)
+    status, *headers = heard.decode().split("\r\n")
+    assert status.startswith("HTTP/1.1 101 ")
+    told = [header.partition(": ")[2] for header in headers if header.lower().startswith("sec-websocket-protocol:")]
+    assert told == ([chosen] if chosen else [])
+
+
+def test_a_client_that_wants_a_sub_protocol_is_content(echo: EchoServer) -> None:
+    with echo.client(subprotocols=[Subprotocol("rosbridge"), Subprotocol("other")]) as client:
+        client.send("hello")
+        assert (client.recv(), client.subprotocol) == ("hello", "rosbridge")
 
 
 def test_a_visitor_by_ipv4_has_the_places_of_that_address_wherever_it_is_accepted(loop_factory: LoopFactory) -> None:

@@ -10,6 +10,7 @@ from itertools import pairwise
 import pytest
 import requests
 from websockets.sync.client import connect
+from websockets.typing import Subprotocol
 
 from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.support.ports import free_port
@@ -23,6 +24,11 @@ def test_a_viewer_gets_the_arena_and_then_its_states(arena: Arena) -> None:
         states = [json.loads(view.recv(timeout=5)) for _ in range(50)]
     assert {state["type"] for state in states} == {"state"}
     assert all(later["time"] > sooner["time"] for sooner, later in pairwise(states))
+
+
+def test_a_viewer_that_wants_a_sub_protocol_is_content(arena: Arena) -> None:
+    with connect(arena.view_url, subprotocols=[Subprotocol("arena"), Subprotocol("other")]) as view:
+        assert (json.loads(view.recv(timeout=5))["type"], view.subprotocol) == ("arena", "arena")
 
 
 @pytest.mark.slow
