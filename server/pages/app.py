@@ -9,13 +9,14 @@ from server.pages.watch import create_watch
 from server.store.results import Results
 from server.web.app import create_base
 from server.web.assets import asset, with_assets
+from server.web.hosts import as_told
 from server.web.settings import Settings
 
 
 def create_pages(settings: Settings, results: Results) -> Flask:
     """The WSGI application."""
     app = create_base(settings, _create_plain(), create_results(results), create_watch(settings))
-    app.wsgi_app = with_assets(app.wsgi_app)  # type: ignore[assignment, method-assign]
+    app.wsgi_app = as_told(with_assets(app.wsgi_app))  # type: ignore[assignment, method-assign]
     return app
 
 

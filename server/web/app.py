@@ -9,11 +9,13 @@ from werkzeug.wrappers import Request
 
 from laser_bot_battle.hosts import policy_source
 from laser_bot_battle.names import FRONT_HEADER
+from laser_bot_battle.proxies import Asked
+from server.access.own_pages import PageAddresses, Standing
 from server.game.loop import GameLoop
 from server.web import operator_api
 from server.web.api import API, create_api, reply, session_of
 from server.web.assets import asset, compress_page
-from server.web.hosts import request_host, with_valid_host
+from server.web.hosts import as_asked, request_host, with_valid_host
 from server.web.routes import OwnRoutes
 from server.web.settings import Settings
 from server.web.visitors import PROXIES
@@ -36,12 +38,13 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint, pages: WSGI
         chosen = answer if own.has(environ["PATH_INFO"]) else pages
         return chosen(environ, start_response)
 
-    app.wsgi_app = with_valid_host(answer_or_ask)  # type: ignore[assignment, method-assign]
+    app.wsgi_app = as_asked(with_valid_host(answer_or_ask), settings.proxies)  # type: ignore[assignment, method-assign]
     return app
 
 
 def create_base(settings: Settings, *routes: Blueprint) -> Flask:
     """An application with these routes, and the rules that hold for every request."""
+    own = PageAddresses(None, settings.origins)
     app = Flask(__name__, static_folder=None)
     app.config[PROXIES] = settings.proxies
     app.jinja_env.globals["asset"] = asset
@@ -61,11 +64,16 @@ def create_base(settings: Settings, *routes: Blueprint) -> Flask:
     @app.before_request
     def refuse_other_sites() -> Response | None:
         """A form on another web site may POST to us; browsers then say where it comes from."""
-        origin = request.headers.get("Origin")
+        origin, host = request.headers.get("Origin"), request.headers.get("Host", "")
         is_harmless = request.method in {"GET", "HEAD", "OPTIONS"}
-        if is_harmless or origin is None or origin.partition("://")[2] == request_host():
+        authority = Asked(request.scheme, host).authority
+        if is_harmless or origin is None or own.standing(origin, authority) is not Standing.FOREIGN:
             return None
-        return _refuse(403, "requests from other web sites are refused")
+        return _refuse(
+            403,
+            f"requests from other web sites are refused: the page is at {origin[:100]}, and asked for {host[:100]}. If "
+            "it belongs to the game, behind a proxy, name its address in LASERBOT_ORIGINS",
+        )
 
     @app.before_request
     def refuse_huge_body() -> None:
@@ -115,15 +123,16 @@ def create_base(settings: Settings, *routes: Blueprint) -> Flask:
 
 def _page_policy(settings: Settings, host: str) -> str:
     """What a page may do: open WebSockets to rosbridge and the cameras' relay, and show the arena's view, on the host
-    that it came from, or at the one address that the front has for all."""
-    name, port = policy_source(host)
-    sources = [f"{name}:{port}" for port in (settings.rosbridge_port, settings.relay_port)]
+    that it came from, or at the one address that the front has for all. A proxy may not tell which that is."""
+    hosts = [host, *(origin.partition("://")[2] for origin in settings.origins)]
+    names = list(dict.fromkeys(policy_source(host) for host in hosts))
+    sources = [f"{name}:{port}" for name, _ in names for port in (settings.rosbridge_port, settings.relay_port)]
     if FRONT_HEADER in request.headers:
-        sources = [name + port]  # older browsers' 'self' has no WebSockets
-    sockets = [f"{scheme}://{source}" for source in sources for scheme in ("ws", "wss")]
-    view = f"{name}:{settings.view_port}"
-    views = "'self'" if FRONT_HEADER in request.headers else f"http://{view} https://{view}"
-    frames = views if settings.view_port else "'none'"
+        sources = [name + port for name, port in names]  # older browsers' 'self' has no WebSockets
+    sockets = [f"{scheme}://{source}" for source in dict.fromkeys(sources) for scheme in ("ws", "wss")]
+    views = [f"{scheme}://{name}:{settings.view_port}" for name, _ in names for scheme in ("http", "https")]
+    shown = "'self'" if FRONT_HEADER in request.headers else " ".join(dict.fromkeys(views))
+    frames = shown if settings.view_port else "'none'"
     return (
         f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-src {frames}; "
         f"connect-src 'self' {' '.join(sockets)}; "

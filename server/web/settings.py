@@ -21,6 +21,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.ROSBRIDGE,
     variables.RELAY,
     variables.VIEW,
+    variables.ORIGINS,
     variables.PROXIES,
     *DECLARED.values(),
     variables.OPERATOR_TOKEN,
@@ -46,6 +47,7 @@ class Settings:
     rosbridge_port: int
     relay_port: int  # of the cameras' pictures
     view_port: int | None  # of an arena's view, on the host that serves the page; None: there is none to show
+    origins: tuple[str, ...]  # further addresses of the pages
     proxies: tuple[Network, ...]
     data: Path
     database: URL
@@ -65,6 +67,7 @@ class Settings:
             rosbridge_port=variables.ROSBRIDGE.read(environ),
             relay_port=variables.RELAY.read(environ),
             view_port=variables.VIEW.read(environ),
+            origins=variables.ORIGINS.read(environ),
             proxies=believed(environ),
             data=data_folder(environ),
             database=database,

@@ -8,7 +8,7 @@ import time
 from flask import current_app, request
 
 from laser_bot_battle.plain_address import plain_address
-from laser_bot_battle.proxies import FORWARDED, SCHEME, THIS_MACHINE, is_proxy, visitor
+from laser_bot_battle.proxies import FORWARDED, THIS_MACHINE, visitor
 from laser_bot_battle.token_bucket import TokenBuckets
 
 AT_ONCE = 4  # sign-ups of one address, then
@@ -24,8 +24,8 @@ def visitor_address() -> str:
 
 
 def is_secure() -> bool:
-    """Whether the visitor came by TLS, which a proxy has ended."""
-    return request.headers.get(SCHEME) == "https" and is_proxy(request.remote_addr or "", current_app.config[PROXIES])
+    """Whether the visitor's page came by TLS, which a proxy has ended; that may not say so."""
+    return request.is_secure or request.headers.get("Origin", "").startswith("https://")
 
 
 def visitor_mark() -> str:

@@ -4,6 +4,7 @@ import asyncio
 import email.utils
 import logging
 from collections.abc import Callable
+from functools import partial
 from http import HTTPStatus
 from typing import cast
 
@@ -13,7 +14,7 @@ from websockets.server import ServerProtocol
 
 from laser_bot_battle import subprotocols
 from laser_bot_battle.plain_address import plain_address
-from laser_bot_battle.proxies import FORWARDED, is_proxy, visitor
+from laser_bot_battle.proxies import FORWARDED, asked, is_proxy, visitor
 from server.access.identity import Identity
 from server.websocket.connection import Connection
 from server.websocket.server_state import ServerState
@@ -22,7 +23,7 @@ MAX_HEAD = 16 * 2**10  # bytes; a page's cookies for this host are in it
 END_OF_HEAD = b"\r\n\r\n"
 NO_HANDSHAKE = "this is no HTTP request that a WebSocket begins with\n"
 
-# By Origin, Host and all Cookie headers.
+# By Origin, by what the visitor took for Host, and by all Cookie headers.
 Identify = Callable[[str | None, str | None, list[str]], Identity]
 
 _log = logging.getLogger(__name__)
@@ -116,8 +117,16 @@ class Opening(asyncio.BufferedProtocol):
         self._enter(request.headers, response, rest)
 
     def _enter(self, headers: Headers, response: Response, rest: bytes) -> None:
+        authority = asked(self.address, partial(only, headers), self._state.proxies).authority
         self.address = visitor(self.address, only(headers, FORWARDED), self._state.proxies)
-        identity = self._identify(only(headers, "Origin"), only(headers, "Host"), headers.get_all("Cookie"))
+        origin = only(headers, "Origin")
+        identity = self._identify(origin, authority, headers.get_all("Cookie"))
+        if identity.foreign:
+            self._state.log(
+                self.address,
+                f"the page of {self.address} is another web site's: it is at {origin!r:.100}, and asked for "
+                f"{authority!r:.100}. If it belongs to the game, behind a proxy, name its address in LASERBOT_ORIGINS",
+            )
         owner = self._state.bridge.owner(identity, self.address)
         if reason := self._state.sockets.refusal(owner):
             self._state.log(self.address, f"a client of {self.address} was refused: {reason}")

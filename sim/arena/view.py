@@ -7,6 +7,7 @@ import json
 import logging
 import socket
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from aiohttp import WSCloseCode, WSMsgType, web
 from laser_bot_battle import subprotocols
 from laser_bot_battle.hosts import is_valid_host
 from laser_bot_battle.names import FRONT_HEADER
-from laser_bot_battle.proxies import FORWARDED, Network, visitor
+from laser_bot_battle.proxies import FORWARDED, Network, asked, visitor
 from sim.arena.cameras.pages import CAMERAS, CameraPages
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
@@ -116,7 +117,7 @@ class View:
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
         """The answer with the headers of all pages; 400 for a header Host that names none."""
-        host = request.headers.get("Host", "localhost")
+        host = asked(request.remote or "", partial(_header, request), self._proxies).host or "localhost"
         if not is_valid_host(host):
             raise web.HTTPBadRequest(text="the header Host names no host")
         headers = {"Content-Security-Policy": page_policy(host, self._rosbridge_port), **HEADERS}
@@ -159,8 +160,7 @@ class View:
         return web.Response(text=text, content_type="text/html")
 
     async def _view(self, request: web.Request) -> web.StreamResponse:
-        forwarded = ", ".join(request.headers.getall(FORWARDED, [])) or None
-        address = visitor(request.remote or "", forwarded, self._proxies)
+        address = visitor(request.remote or "", _header(request, FORWARDED), self._proxies)
         if reason := self._viewers.refusal(address):
             raise web.HTTPServiceUnavailable(text=reason)
         subprotocol = subprotocols.chosen(request.headers.getall(subprotocols.HEADER, []))
@@ -210,6 +210,11 @@ class View:
     async def _send(self, opened: web.WebSocketResponse, text: str) -> None:
         async with asyncio.timeout(SEND_SECONDS):
             await opened.send_str(text)
+
+
+def _header(request: web.Request, name: str) -> str | None:
+    """Its value, of several with commas between them; None without one."""
+    return ", ".join(request.headers.getall(name, [])) or None
 
 
 def _keep_little(request: web.Request) -> None:

@@ -85,12 +85,12 @@ def test_the_secret_of_kubectl_is_a_certificate_to_the_front_and_may_be_missing(
     assert found.files == tuple(files.values())
 
 
-def test_a_real_name_is_one_of_the_games_to_rosbridge_and_the_relay(customize: Customize) -> None:
+def test_a_real_name_is_one_of_the_games_to_all_programs(customize: Customize) -> None:
     (example,) = re.findall(r"^patches:\n.*?(?=```)", README, re.DOTALL | re.MULTILINE)
     (patch,) = yaml.safe_load(example)["patches"]
     patch["patch"] = "\n".join(line for line in patch["patch"].splitlines() if "LASERBOT_ORIGINS" in line)
     manifests = customize("sim", "front", patches=[patch])
-    for name in ("rosbridge", "camera-relay"):
+    for name in ("web", "rosbridge", "camera-relay"):
         command = container_of(manifests, name)["command"]
         settings = ProgramSettings(command, environment_of(manifests, name)).settings
         assert settings is not None

@@ -156,15 +156,16 @@ VIEW_HOST = words(
 ORIGINS: Variable[tuple[str, ...]] = Variable(
     "LASERBOT_ORIGINS",
     (),
-    "further addresses at which people open the game's pages: `https://arena.example`, with spaces between them",
+    "further addresses at which people open the game's pages, such as [a proxy's](front.md): `https://arena.example`, "
+    "with spaces between them",
     _origins,
     "none",
 )
 PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
     "LASERBOT_PROXIES",
     (),
-    "addresses and networks of proxies elsewhere before the game's ports, whose `X-Forwarded-For` is believed; on this "
-    "machine, all are",
+    "addresses and networks of proxies elsewhere before the game's ports, whose `X-Forwarded-For`, `-Host` and "
+    "`-Proto` are believed; on this machine, all are",
     _networks,
     "none",
 )

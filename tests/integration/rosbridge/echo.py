@@ -3,7 +3,7 @@
 import asyncio
 import socket
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
@@ -11,6 +11,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from laser_bot_battle import listening
 from laser_bot_battle.listening import Listener
+from laser_bot_battle.proxies import Network
 from server.access.identity import GUEST, OPERATOR, Identity
 from server.websocket.connection import Connection
 from server.websocket.frames import frame
@@ -18,6 +19,7 @@ from server.websocket.limits import Limits, SocketOwner, owner_of
 from server.websocket.server import WebSocketServer
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
+NOTHING: Mapping[str, str] = {}
 
 
 class EchoBridge:
@@ -71,19 +73,26 @@ class EchoServer:
     """Runs in a thread while in a `with`."""
 
     def __init__(
-        self, loop_factory: LoopFactory, limits: Limits | None = None, listener: Listener | None = None
+        self,
+        loop_factory: LoopFactory,
+        limits: Limits | None = None,
+        listener: Listener | None = None,
+        proxies: Sequence[Network] = (),
     ) -> None:
         self.bridge = EchoBridge()
+        self.asked: list[str | None] = []  # for which host, by connection
         self._loop_factory, self._limits = loop_factory, limits
-        self._listener = listener or listening.bind("127.0.0.1", 0)
+        self._listener, self._proxies = listener or listening.bind("127.0.0.1", 0), proxies
         self.port = int(self._listener.getsockname()[1])
         self._ready, self._end = threading.Event(), asyncio.Event()
         self._loop: asyncio.AbstractEventLoop
         self._thread = threading.Thread(target=self._run, name="echo server")
         self.errors: list[dict[str, Any]] = []
 
-    def client(self, cookie: str = "", source: str = "127.0.0.1", **options: Any) -> ClientConnection:
-        headers = {"Cookie": cookie} if cookie else {}
+    def client(
+        self, cookie: str = "", source: str = "127.0.0.1", headers: Mapping[str, str] = NOTHING, **options: Any
+    ) -> ClientConnection:
+        headers = {**headers, **({"Cookie": cookie} if cookie else {})}
         return connect(
             f"ws://127.0.0.1:{self.port}",
             additional_headers=headers, source_address=(source, 0), compression=None, max_size=None, **options,
@@ -112,6 +121,10 @@ class EchoServer:
         self._listener.close()
         assert not self.errors
 
+    def _identify(self, origin: str | None, authority: str | None, cookies: list[str]) -> Identity:
+        self.asked.append(authority)
+        return identify(origin, authority, cookies)
+
     def _run(self) -> None:
         with asyncio.Runner(loop_factory=self._loop_factory) as runner:
             runner.run(self._serve())
@@ -119,6 +132,6 @@ class EchoServer:
     async def _serve(self) -> None:
         self._loop = asyncio.get_running_loop()
         self._loop.set_exception_handler(lambda _, context: self.errors.append(context))
-        async with WebSocketServer(self.bridge, self._listener, identify, self._limits):
+        async with WebSocketServer(self.bridge, self._listener, self._identify, self._limits, self._proxies):
             self._ready.set()
             await self._end.wait()

@@ -134,6 +134,14 @@ def test_the_cookie_counts_only_from_pages_of_this_host(duel: Duel, client: Conn
         assert "only signed-in players" in theirs.hear_error()
 
 
+def test_the_cookie_counts_from_pages_of_the_address_that_a_proxy_was_asked_for(duel: Duel, client: Connect) -> None:
+    told = {"X-Forwarded-Host": "arena.local", "X-Forwarded-Proto": "https"}
+    duel.ready(client("token-of-al", Origin="https://arena.local", **told), 0)
+    theirs = client("token-of-al", Origin="http://arena.local", **told)
+    theirs.drive(0)
+    assert "only signed-in players" in theirs.hear_error()
+
+
 def test_a_client_without_cookie_authenticates(duel: Duel, client: Connect) -> None:
     al = client()
     al.say("auth", client="al", mac="token-of-al", dest="", rand="", t=0, level="", end=0)

@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
+from ipaddress import ip_network
 
 import psutil
 import pytest
@@ -169,6 +170,22 @@ def test_a_visitor_by_ipv4_has_the_places_of_that_address_wherever_it_is_accepte
         client.send("hello")
         assert client.recv() == "hello"
         assert [name.rpartition(":")[0] for name in echo.bridge.came] == ["127.0.0.1"]
+
+
+def test_what_a_believed_proxy_was_asked_for_counts_and_what_others_say_does_not(loop_factory: LoopFactory) -> None:
+    with EchoServer(loop_factory, proxies=[ip_network("127.0.0.2")]) as echo:
+        own = f"127.0.0.1:{echo.port}"
+        for source, told, authority in (
+            ("127.0.0.2", {"X-Forwarded-Host": "arena.example:8443"}, "arena.example:8443"),
+            ("127.0.0.2", {"X-Forwarded-Host": "forged.example, arena.example"}, "arena.example"),
+            ("127.0.0.2", {"X-Forwarded-Host": "arena.example", "X-Forwarded-Proto": "https"}, "arena.example:443"),
+            ("127.0.0.2", {"X-Forwarded-Host": "arena.example", "X-Forwarded-Proto": "wss"}, "arena.example:443"),
+            ("127.0.0.2", {"X-Forwarded-Host": "no host"}, own),
+            ("127.0.0.2", {}, own),
+            ("127.0.0.3", {"X-Forwarded-Host": "arena.example", "X-Forwarded-Proto": "https"}, own),
+        ):
+            echo.client(source=source, headers=told).close()
+            assert echo.asked[-1] == authority, (source, told)
 
 
 def test_everybody_has_places_and_a_full_server_is_alive(loop_factory: LoopFactory) -> None:

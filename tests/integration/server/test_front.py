@@ -82,6 +82,30 @@ def test_it_listens_where_the_programs_do(tmp_path: Path, bind: str, listens: li
     assert f"server {programs}:5000;" in text
 
 
+def test_what_a_visitor_says_of_proxies_is_not_passed_on() -> None:
+    heard: list[dict[str, str]] = []
+
+    class Arena(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            heard.append(dict(self.headers))
+            self.send_response(HTTPStatus.NO_CONTENT)
+            self.end_headers()
+
+    said = {"X-Forwarded-Host": "forged.example", "X-Forwarded-Proto": "https", "X-Forwarded-For": "9.9.9.9"}
+    with HTTPServer(("127.0.0.1", 0), Arena) as arena:
+        thread = threading.Thread(target=arena.serve_forever)
+        thread.start()
+        try:
+            with front(LASERBOT_VIEW_PORT=str(arena.server_port)) as address:
+                port = address.rpartition(":")[2]
+                requests.get(f"http://[::1]:{port}/arena/", headers=said, timeout=5)
+        finally:
+            arena.shutdown()
+            thread.join()
+    told = {name: heard[0][name] for name in said}
+    assert told == {"X-Forwarded-Host": f"[::1]:{port}", "X-Forwarded-Proto": "http", "X-Forwarded-For": "::1"}
+
+
 def test_the_arena_may_be_another_machines() -> None:
     class Arena(BaseHTTPRequestHandler):
         def do_GET(self) -> None:

@@ -31,6 +31,17 @@ def test_a_viewer_that_wants_a_sub_protocol_is_content(arena: Arena) -> None:
         assert (json.loads(view.recv(timeout=5))["type"], view.subprotocol) == ("arena", "arena")
 
 
+@pytest.mark.parametrize(("source", "named"), [("127.0.0.1", "arena.example"), ("127.0.0.2", "127.0.0.1")])
+def test_a_page_finds_the_game_where_a_believed_proxy_says_that_the_visitor_is(
+    arena: Arena, source: str, named: str
+) -> None:
+    asked = "GET / HTTP/1.1\r\nHost: 127.0.0.1:8080\r\nX-Forwarded-Host: arena.example\r\nConnection: close\r\n\r\n"
+    with socket.create_connection((HOST, arena.view_port), 5, (source, 0)) as visitor:
+        visitor.sendall(asked.encode())
+        head = visitor.makefile("rb").read().partition(b"\r\n\r\n")[0].decode()
+    assert f" ws://{named}:{arena.env['LASERBOT_ROSBRIDGE_PORT']} " in head
+
+
 @pytest.mark.slow
 def test_the_view_has_25_states_a_second(arena: Arena) -> None:
     with connect(arena.view_url) as view:

@@ -4,7 +4,7 @@ from ipaddress import ip_network
 
 import pytest
 
-from laser_bot_battle.proxies import believed, is_proxy, visitor
+from laser_bot_battle.proxies import asked, believed, is_proxy, visitor
 from laser_bot_battle.settings import SettingsError
 
 PROXIES = [ip_network("127.0.0.1"), ip_network("10.42.0.0/16"), ip_network("::1")]
@@ -31,6 +31,30 @@ PROXIES = [ip_network("127.0.0.1"), ip_network("10.42.0.0/16"), ip_network("::1"
 )
 def test_a_proxy_is_believed_and_nobody_else(peer: str, forwarded: str | None, address: str) -> None:
     assert visitor(peer, forwarded, PROXIES) == address
+
+
+@pytest.mark.parametrize(
+    ("peer", "scheme", "forwarded", "host", "authority"),
+    [
+        ("127.0.0.1", None, None, "10.0.0.1:5000", "10.0.0.1:5000"),
+        ("127.0.0.1", None, None, None, None),
+        ("127.0.0.1", "http", "arena.example", "10.0.0.1:5000", "arena.example"),
+        ("127.0.0.1", "https", "arena.example", "10.0.0.1:5000", "arena.example:443"),
+        ("127.0.0.1", "HTTPS", "arena.example:8443", None, "arena.example:8443"),
+        ("127.0.0.1", "wss", None, "[::1]", "[::1]:443"),  # some proxies say so of a WebSocket
+        ("127.0.0.1", "https, http", "forged.example, arena.example", "x", "arena.example"),  # the nearest has the word
+        ("127.0.0.1", "gopher", "no host", "10.0.0.1", "10.0.0.1"),
+        ("10.42.3.4", "https", "", "arena.example", "arena.example:443"),
+        ("::ffff:10.42.3.4", "https", None, "arena.example", "arena.example:443"),
+        ("10.43.3.4", "https", "arena.example", "10.0.0.1:5000", "10.0.0.1:5000"),
+        ("nobody", "https", "arena.example", "10.0.0.1:5000", "10.0.0.1:5000"),
+    ],
+)
+def test_a_believed_proxy_says_what_the_visitor_has_asked_for(
+    peer: str, scheme: str | None, forwarded: str | None, host: str | None, authority: str | None
+) -> None:
+    headers = {"X-Forwarded-Proto": scheme, "X-Forwarded-Host": forwarded, "Host": host}
+    assert asked(peer, headers.get, PROXIES).authority == authority
 
 
 def test_what_is_no_address_is_no_proxy() -> None:
