@@ -8,7 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-enum { SERIAL_DESCRIPTORS = 2 };
+enum { SERIAL_DESCRIPTORS = 3 };
 
 struct serial_line {
 	/* Up to `size` bytes that the host has sent; 0 if none. */
@@ -34,6 +34,6 @@ struct serial_line {
 struct serial_line *serial_pty_open(const char *link, bool watched);
 
 /* A TCP port with one client at a time; NULL with a line on stderr if it cannot be had. */
-struct serial_line *serial_tcp_open(const struct address *listen_at);
+struct serial_line *serial_tcp_open(const struct address *at);
 
 #endif

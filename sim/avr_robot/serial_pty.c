@@ -63,6 +63,7 @@ static void pty_watch(const struct serial_line *line, int descriptors[SERIAL_DES
 
 	descriptors[0] = pty->master;
 	descriptors[1] = pty->openings;
+	descriptors[2] = -1;
 }
 
 static void pty_close(struct serial_line *line)

@@ -11,10 +11,15 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+enum {
+	LISTENERS = 2, /* one for each family of addresses */
+	TRIES = 20, /* to find a port that is free in both */
+};
+
 struct serial_tcp {
 	struct serial_line line;
-	int listener;
-	int client; /* -1: nobody */
+	int listeners[LISTENERS]; /* -1: none */
+	int client;               /* -1: nobody */
 	bool fresh; /* a client has come and opened() has not told yet */
 };
 
@@ -26,12 +31,12 @@ static void drop_client(struct serial_tcp *tcp)
 }
 
 /* The newest client is the one: an older one may be a connection whose host has long vanished. */
-static void accept_clients(struct serial_tcp *tcp)
+static void accept_clients(struct serial_tcp *tcp, int listener)
 {
 	const int on = 1;
 	int client;
 
-	while ((client = accept4(tcp->listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC)) >= 0) {
+	while ((client = accept4(listener, NULL, NULL, SOCK_NONBLOCK | SOCK_CLOEXEC)) >= 0) {
 		drop_client(tcp);
 		tcp->client = client;
 		tcp->fresh = true;
@@ -42,12 +47,15 @@ static void accept_clients(struct serial_tcp *tcp)
 static size_t tcp_receive(struct serial_line *line, uint8_t *bytes, size_t size)
 {
 	struct serial_tcp *tcp = (struct serial_tcp *)line;
-	struct pollfd ready[2] = {{.fd = tcp->listener, .events = POLLIN}, {.fd = tcp->client, .events = POLLIN}};
+	struct pollfd ready[LISTENERS + 1] = {{.fd = tcp->client, .events = POLLIN}};
 
-	if (poll(ready, 2, 0) <= 0)
+	for (size_t i = 0; i < LISTENERS; i++)
+		ready[i + 1] = (struct pollfd){.fd = tcp->listeners[i], .events = POLLIN};
+	if (poll(ready, LISTENERS + 1, 0) <= 0)
 		return 0;
-	if (ready[0].revents)
-		accept_clients(tcp);
+	for (size_t i = 0; i < LISTENERS; i++)
+		if (ready[i + 1].revents)
+			accept_clients(tcp, tcp->listeners[i]);
 	if (tcp->client < 0 || size == 0)
 		return 0;
 	const ssize_t length = recv(tcp->client, bytes, size, 0);
@@ -77,8 +85,18 @@ static void tcp_watch(const struct serial_line *line, int descriptors[SERIAL_DES
 {
 	const struct serial_tcp *tcp = (const struct serial_tcp *)line;
 
-	descriptors[0] = tcp->listener;
-	descriptors[1] = tcp->client;
+	descriptors[0] = tcp->client;
+	for (size_t i = 0; i < LISTENERS; i++)
+		descriptors[i + 1] = tcp->listeners[i];
+}
+
+static void stop_listening(struct serial_tcp *tcp)
+{
+	for (size_t i = 0; i < LISTENERS; i++) {
+		if (tcp->listeners[i] >= 0)
+			close(tcp->listeners[i]);
+		tcp->listeners[i] = -1;
+	}
 }
 
 static void tcp_close(struct serial_line *line)
@@ -86,8 +104,7 @@ static void tcp_close(struct serial_line *line)
 	struct serial_tcp *tcp = (struct serial_tcp *)line;
 
 	drop_client(tcp);
-	if (tcp->listener >= 0)
-		close(tcp->listener);
+	stop_listening(tcp);
 	free(tcp);
 }
 
@@ -100,6 +117,8 @@ static int listen_on(const struct addrinfo *candidate)
 	if (listener < 0)
 		return -1;
 	setsockopt(listener, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+	if (candidate->ai_family == AF_INET6)
+		setsockopt(listener, IPPROTO_IPV6, IPV6_V6ONLY, &on, sizeof on);
 	if (bind(listener, candidate->ai_addr, candidate->ai_addrlen) == 0 && listen(listener, 4) == 0)
 		return listener;
 	const int reason = errno;
@@ -108,21 +127,75 @@ static int listen_on(const struct addrinfo *candidate)
 	return -1;
 }
 
+/* A socket that listens there, -1 if it cannot be had: then `why`. */
+static int listen_at(const char *host, const char *port, const char **why)
+{
+	const struct addrinfo wanted = {.ai_socktype = SOCK_STREAM, .ai_flags = AI_PASSIVE | AI_NUMERICSERV};
+	struct addrinfo *found = NULL;
+	const int fault = getaddrinfo(host, port, &wanted, &found);
+	int listener = -1;
+
+	for (const struct addrinfo *next = found; next && listener < 0; next = next->ai_next)
+		listener = listen_on(next);
+	*why = fault ? gai_strerror(fault) : strerror(errno);
+	if (found) {
+		const int reason = errno;
+		freeaddrinfo(found);
+		errno = reason;
+	}
+	return listener;
+}
+
+/* Everywhere and on this machine only, in the other family; NULL for any other address. */
+static const char *other_family(const char *address)
+{
+	static const char *const same[][LISTENERS] = {{"0.0.0.0", "::"}, {"127.0.0.1", "::1"}};
+
+	for (size_t i = 0; i < sizeof same / sizeof *same; i++)
+		for (size_t j = 0; j < LISTENERS; j++)
+			if (strcmp(address, same[i][j]) == 0)
+				return same[i][LISTENERS - 1 - j];
+	return NULL;
+}
+
+/* At both families, as far as the kernel has them: a client of localhost may try only one. False: `why`. */
+static bool listen_in_families(struct serial_tcp *tcp, const struct address *at, const char **why)
+{
+	struct sockaddr_storage own;
+	socklen_t length = sizeof own;
+	char address[INET6_ADDRSTRLEN], port[6];
+	const char *other;
+
+	tcp->listeners[0] = listen_at(at->host, at->port, why);
+	if (tcp->listeners[0] < 0)
+		return false;
+	if (getsockname(tcp->listeners[0], (struct sockaddr *)&own, &length) != 0 ||
+	    getnameinfo((struct sockaddr *)&own, length, address, sizeof address, port, sizeof port,
+	                NI_NUMERICHOST | NI_NUMERICSERV) != 0 ||
+	    (other = other_family(address)) == NULL)
+		return true;
+	tcp->listeners[1] = listen_at(other, port, why);
+	if (tcp->listeners[1] >= 0 || errno == EAFNOSUPPORT || errno == EADDRNOTAVAIL)
+		return true;
+	stop_listening(tcp);
+	return false;
+}
+
 static void name_address(struct serial_tcp *tcp, const char *host)
 {
 	struct sockaddr_storage own;
 	socklen_t length = sizeof own;
 	char port[6] = "?";
 
-	if (getsockname(tcp->listener, (struct sockaddr *)&own, &length) == 0)
+	if (getsockname(tcp->listeners[0], (struct sockaddr *)&own, &length) == 0)
 		getnameinfo((struct sockaddr *)&own, length, NULL, 0, port, sizeof port, NI_NUMERICSERV);
 	snprintf(tcp->line.address, sizeof tcp->line.address, strchr(host, ':') ? "[%s]:%s" : "%s:%s", host, port);
 }
 
-struct serial_line *serial_tcp_open(const struct address *listen_at)
+struct serial_line *serial_tcp_open(const struct address *at)
 {
-	const struct addrinfo wanted = {.ai_socktype = SOCK_STREAM, .ai_flags = AI_PASSIVE | AI_NUMERICSERV};
-	struct addrinfo *found = NULL;
+	const bool any = strcmp(at->port, "0") == 0;
+	const char *why = "";
 	struct serial_tcp *tcp = calloc(1, sizeof *tcp);
 
 	if (!tcp)
@@ -133,21 +206,17 @@ struct serial_line *serial_tcp_open(const struct address *listen_at)
 		         .transmit = tcp_transmit,
 		         .watch = tcp_watch,
 		         .close = tcp_close},
-		.listener = -1,
+		.listeners = {-1, -1},
 		.client = -1,
 	};
-	const int fault = getaddrinfo(listen_at->host, listen_at->port, &wanted, &found);
-	for (const struct addrinfo *next = found; next && tcp->listener < 0; next = next->ai_next)
-		tcp->listener = listen_on(next);
-	if (tcp->listener < 0) {
-		fprintf(stderr, "avr_robot: --tcp %s:%s: %s; choose another address or port\n", listen_at->host,
-		        listen_at->port, fault ? gai_strerror(fault) : strerror(errno));
+	bool listens = false;
+	for (int i = 0; i < (any ? TRIES : 1) && !listens; i++)
+		listens = listen_in_families(tcp, at, &why);
+	if (!listens) {
+		fprintf(stderr, "avr_robot: --tcp %s:%s: %s; choose another address or port\n", at->host, at->port, why);
 		tcp_close(&tcp->line);
-		tcp = NULL;
-	} else {
-		name_address(tcp, listen_at->host);
+		return NULL;
 	}
-	if (found)
-		freeaddrinfo(found);
-	return tcp ? &tcp->line : NULL;
+	name_address(tcp, at->host);
+	return &tcp->line;
 }

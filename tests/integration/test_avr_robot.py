@@ -73,8 +73,10 @@ def test_a_wrong_command_line_is_refused_with_one_clear_line(arguments: list[str
     assert_refused(run_avr_robot(*arguments), 2, reason)
 
 
-def test_a_tcp_port_in_use_is_refused() -> None:
-    with socket.create_server(("127.0.0.1", 0)) as taken:
+@pytest.mark.parametrize("address", ["127.0.0.1", "::1"])
+def test_a_tcp_port_in_use_is_refused(address: str) -> None:
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    with socket.create_server((address, 0), family=family) as taken:
         port = taken.getsockname()[1]
         result = run_avr_robot("--firmware", FIRMWARE, "--name", "robot", "--tcp", str(port))
 
@@ -246,6 +248,15 @@ def test_the_serial_port_on_tcp_speaks_the_same(tmp_path: Path) -> None:
             host.negotiate()
             host.send(command(0, 1))
             until(lambda: robot.position("left") == -320, 5, "the robot turns")
+
+
+@pytest.mark.parametrize("at", ["0", "localhost:0", "0.0.0.0:0", "[::1]:0"])
+def test_a_tcp_client_of_localhost_may_try_either_of_its_addresses(at: str) -> None:
+    with tcp_robot(at) as robot:
+        port = robot.uart.rpartition(":")[2]
+        for address in ("[::1]", "127.0.0.1"):
+            with contextlib.closing(SerialHost(f"socket://{address}:{port}")) as host:
+                host.negotiate()
 
 
 def test_a_new_tcp_client_replaces_the_old_one() -> None:
