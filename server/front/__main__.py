@@ -33,7 +33,11 @@ async def run(settings: FrontSettings) -> int:
         shutil.copyfile(Path(__file__).with_name("trust.html"), Path(folder) / "trust.html")
         _offer_authority(settings, Path(folder))
         file = Path(folder) / "nginx.conf"
-        file.write_text(configuration(settings, Path(folder), is_root=os.geteuid() == 0))
+        try:
+            file.write_text(configuration(settings, Path(folder), is_root=os.geteuid() == 0))
+        except OSError as error:
+            _log.error("cannot listen on %s: %s; set LASERBOT_BIND", settings.bind, error.strerror or error)
+            return 1
         _log.info("the game is at port %d", settings.https_port if settings.certificate else settings.http_port)
 
         def look(nginx: asyncio.subprocess.Process) -> None:

@@ -151,7 +151,10 @@ def _places(bind: str) -> list[_Place]:
 
 
 def _resolved(host: str) -> list[_Place]:
-    found = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    try:
+        found = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)
+    except UnicodeError:
+        raise OSError("that is no host's name") from None
     return [(family, place) for family, *_, place in found]
 
 

@@ -82,6 +82,13 @@ def test_it_listens_where_the_programs_do(tmp_path: Path, bind: str, listens: li
     assert f"server {programs}:5000;" in text
 
 
+def test_an_address_that_is_none_is_one_clear_line() -> None:
+    program = Program.python("server.front", env={"LASERBOT_BIND": "a..b"})
+    program.wait_for("cannot listen on a..b: that is no host's name; set LASERBOT_BIND")
+    assert program.process.wait(10) == 1
+    assert "Traceback" not in program.output
+
+
 def test_what_a_visitor_says_of_proxies_is_not_passed_on() -> None:
     heard: list[dict[str, str]] = []
 
