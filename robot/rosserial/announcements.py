@@ -2,6 +2,7 @@
 
 from robot.rosserial import ids
 from robot.rosserial.events import DeviceCalls, DevicePublishes, DeviceServes, DeviceSubscribes, ServiceInfo
+from robot.rosserial.frame import MAX_PAYLOAD
 from robot.rosserial.topic_info import TopicInfo
 
 MAX_TOPICS = 128  # that one device may tell; ros_lib has 50 on an Uno, a service counts as two
@@ -20,6 +21,7 @@ class Announcements:
 
     def __init__(self) -> None:
         self.sent_by_device: set[int] = set()  # the ids of its messages
+        self.largest_buffer = 0  # bytes
         self._told: set[tuple[int, TopicInfo]] = set()
         self._halves: dict[tuple[int, str], TopicInfo] = {}  # by kind and name of the service
 
@@ -37,6 +39,7 @@ class Announcements:
             self._told.add((kind, info))
         if info.buffer_size <= 0:
             raise ValueError(f"topic {info.topic_name!r} with a buffer of {info.buffer_size} bytes refused")
+        self.largest_buffer = max(self.largest_buffer, info.buffer_size)
         if kind in (ids.PUBLISHER, ids.SERVED_ANSWERS, ids.CALLED_REQUESTS):
             self.sent_by_device.add(info.topic_id)
         if kind == ids.PUBLISHER:
@@ -58,6 +61,6 @@ class Announcements:
             request.md5sum,
             answer.topic_id,
             answer.md5sum,
-            (request if served else answer).buffer_size,
+            min((request if served else answer).buffer_size, MAX_PAYLOAD),
         )
         return DeviceServes(service) if served else DeviceCalls(service)

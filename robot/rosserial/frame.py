@@ -6,12 +6,17 @@
 `length` counts the payload only.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 SYNC = b"\xff\xfe"
 HEADER = 7  # bytes before the payload
-MAX_PAYLOAD = 4096  # far above any device's buffer: a longer length is line noise that would swallow good frames
-HALF_FRAME_TIMEOUT = 1.0  # s after which the rest of a frame is not waited for any longer
+OVERHEAD = HEADER + 1
+MAX_PAYLOAD = 0xFFFF  # what the length's 16 bits can say
+# Longer than the buffers of most devices. One that has not said that its own are larger does not send more, and in
+# line noise a longer length would swallow good frames.
+USUAL_PAYLOAD = 4096
+HALF_FRAME_TIMEOUT = 1.0  # s beyond its time on the line after which the rest of a frame is not waited for any longer
 
 
 @dataclass(frozen=True)
@@ -26,7 +31,7 @@ def checksum(data: bytes | bytearray) -> int:
 
 def encode(topic_id: int, payload: bytes = b"") -> bytes:
     """The bytes of one frame; ValueError if the id or the length do not fit in 16 bits."""
-    if not 0 <= topic_id <= 0xFFFF or len(payload) > 0xFFFF:
+    if not 0 <= topic_id <= 0xFFFF or len(payload) > MAX_PAYLOAD:
         raise ValueError(f"no frame for topic id {topic_id} with {len(payload)} bytes")
     length = len(payload).to_bytes(2, "little")
     body = topic_id.to_bytes(2, "little") + payload
@@ -40,62 +45,93 @@ class Decoder:
     lost byte never costs more than its own frame.
     """
 
-    def __init__(self) -> None:
-        self.bad_frames = 0  # frames with a wrong checksum or an absurd length, or never completed
+    def __init__(self, byte_time: float = 0.0) -> None:
+        """`byte_time`: s that a byte takes on the line."""
+        self.longest = USUAL_PAYLOAD  # bytes of payload; a frame with more is passed over
+        self.bad_frames = 0  # frames with a wrong checksum or too long, or never completed
+        self.too_long = 0  # of these, frames with a correct header that says more than `longest`
+        self.last_too_long = 0  # bytes of payload of the last one
         self.garbage = 0  # bytes outside of frames
+        self._byte_time = byte_time
         self._buffer = bytearray()
         self._half_since: float | None = None
+        self._passing_over = 0  # bytes of a frame that is too long, still to come
 
     def feed(self, data: bytes, now: float) -> list[Frame]:
         """The frames that `data` completes; `now` in s of any steady clock."""
+        return list(self.frames(data, now))
+
+    def frames(self, data: bytes, now: float) -> Iterator[Frame]:
+        """The same one by one, so that a frame may say that those behind it are longer. To be read to its end."""
         self._buffer += data
         return self._parse(now)
 
     def expire(self, now: float) -> list[Frame]:
         """Give up a frame whose rest does not come; returns the frames that it had seemed to contain."""
-        if self._half_since is None or now - self._half_since < HALF_FRAME_TIMEOUT:
+        if self._half_since is None:
             return []
+        on_the_line = (OVERHEAD + (self._length() or 0)) * self._byte_time
+        if now - self._half_since < HALF_FRAME_TIMEOUT + on_the_line:
+            return []
+        self._half_since = None
         self._drop_broken_frame()
-        return self._parse(now)
+        return list(self._parse(now))
 
-    def _parse(self, now: float) -> list[Frame]:
-        frames: list[Frame] = []
-        half_since = None
+    def _parse(self, now: float) -> Iterator[Frame]:
+        half_since, since = None, self._half_since
         while self._skip_to_sync():
-            whole = self._frame_size()
-            if whole is None:
+            length = self._length()
+            whole = OVERHEAD + (length or 0)
+            if length is None:
                 self._drop_broken_frame()
+            elif length > self.longest:
+                self._pass_over(length)
             elif len(self._buffer) < whole:
-                half_since = now if frames or self._half_since is None else self._half_since
+                half_since = now if since is None else since
                 break
             elif checksum(self._buffer[5 : whole - 1]) != self._buffer[whole - 1]:
                 self._drop_broken_frame()
             else:
                 topic_id = int.from_bytes(self._buffer[5:HEADER], "little")
-                frames.append(Frame(topic_id, bytes(self._buffer[HEADER : whole - 1])))
-                del self._buffer[:whole]
+                frame = Frame(topic_id, bytes(self._buffer[HEADER : whole - 1]))
+                self._take(whole)
+                yield frame
+            since = None
         self._half_since = half_since
-        return frames
 
     def _skip_to_sync(self) -> bool:
         """Drop what cannot start a frame; True if the start of one is left."""
         start = self._buffer.find(SYNC)
         if start < 0:
             start = len(self._buffer) - self._buffer.endswith(SYNC[:1])
-        self.garbage += start
-        del self._buffer[:start]
+        self.garbage += self._take(start)
         return len(self._buffer) >= len(SYNC)
 
-    def _frame_size(self) -> int | None:
-        """Bytes of the frame at the start of the buffer as far as known, None if its header is broken."""
+    def _length(self) -> int | None:
+        """Bytes of payload of the frame at the start of the buffer, 0 while that is not known, None if its header is
+        broken."""
         if len(self._buffer) < 5:
-            return HEADER + 1
-        length = int.from_bytes(self._buffer[2:4], "little")
-        if checksum(self._buffer[2:4]) != self._buffer[4] or length > MAX_PAYLOAD:
+            return 0
+        if checksum(self._buffer[2:4]) != self._buffer[4]:
             return None
-        return HEADER + length + 1
+        return int.from_bytes(self._buffer[2:4], "little")
+
+    def _pass_over(self, length: int) -> None:
+        if not self._passing_over:
+            self.too_long += 1
+            self.last_too_long = length
+        self._drop_broken_frame()
+        self._passing_over = self._passing_over or OVERHEAD + length - 1
 
     def _drop_broken_frame(self) -> None:
-        self.bad_frames += 1
-        self._half_since = None
-        del self._buffer[:1]
+        """Its first byte, that is: what follows may be a good one."""
+        if not self._passing_over:
+            self.bad_frames += 1
+        self._take(1)
+
+    def _take(self, count: int) -> int:
+        """Remove so many bytes; returns how many of them are not of a frame that is passed over."""
+        del self._buffer[:count]
+        known = min(count, self._passing_over)
+        self._passing_over -= known
+        return count - known

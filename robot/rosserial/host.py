@@ -5,11 +5,12 @@ away, and gives the device up when that brings no answer either.
 """
 
 import struct
+from collections.abc import Iterable
 
 from robot.rosserial import ids
 from robot.rosserial.announcements import KINDS, Announcements, TooManyTopicsError
 from robot.rosserial.events import DeviceLog, Event, Lost, Message, Notice, ParameterRequest, Send
-from robot.rosserial.frame import Decoder, Frame, encode
+from robot.rosserial.frame import MAX_PAYLOAD, Decoder, Frame, encode
 
 ASK_PERIOD = 1.0  # s between topic requests: the first ones may meet a boot loader
 NOISE_PERIOD = 10.0  # s between two complaints about broken frames
@@ -23,13 +24,15 @@ AWAY = 1.0  # s; a host that did not look for longer cannot say that the device 
 class Host:
     """All times are s of one steady clock, but `wall`, which is s since 1970."""
 
-    def __init__(self, now: float) -> None:
-        self._decoder = Decoder()
+    def __init__(self, now: float, byte_time: float = 0.0) -> None:
+        """`byte_time`: s that a byte takes on the line."""
+        self._decoder = Decoder(byte_time)
         self._started = self._looked = now
         self._asked: float | None = None
         self._last_sign: float | None = None  # of a living device: topic info or time request
         self._announcements = Announcements()
         self._noise_told: tuple[float, str] = (now - NOISE_PERIOD, "")
+        self._too_long_told: tuple[float, int] = (now - NOISE_PERIOD, 0)
 
     @property
     def answered(self) -> bool:
@@ -50,7 +53,8 @@ class Host:
 
     def receive(self, data: bytes, now: float, wall: float) -> list[Event]:
         """What follows from bytes of the device."""
-        return self._handle(self._decoder.feed(data, now), now, wall) + self._complaint(now)
+        events = self._handle(self._decoder.frames(data, now), now, wall)
+        return events + self._complaint(now) + self._too_long(now)
 
     def tick(self, now: float, wall: float) -> list[Event]:
         """What follows from the time alone; to be called at least twice a second."""
@@ -77,8 +81,23 @@ class Host:
         self._noise_told = (now, noise)
         return [Notice(f"noise on the serial line so far{noise}")]
 
+    def _too_long(self, now: float) -> list[Event]:
+        """Likewise about frames that are longer than the device has said. One that has not said anything yet goes on
+        with an earlier conversation, and may send them."""
+        told_at, told = self._too_long_told
+        count, longest = self._decoder.too_long, self._decoder.longest
+        if count == told or now - told_at < NOISE_PERIOD or not self.answered:
+            return []
+        self._too_long_told = (now, count)
+        return [
+            Notice(
+                f"frame of {self._decoder.last_too_long} bytes from the device dropped, as {count} in all: longer than "
+                f"the {longest} that are taken from it, enlarge the buffers that its sketch tells"
+            )
+        ]
+
     def _noise(self) -> str:
-        bad, garbage = self._decoder.bad_frames, self._decoder.garbage
+        bad, garbage = self._decoder.bad_frames - self._decoder.too_long, self._decoder.garbage
         return f" ({bad} broken frames, {garbage} stray bytes: wrong speed or sketch?)" if bad or garbage else ""
 
     def _ask(self, now: float, period: float) -> list[Event]:
@@ -87,7 +106,7 @@ class Host:
         self._asked = now
         return [Send(ids.TOPIC_REQUEST)]
 
-    def _handle(self, frames: list[Frame], now: float, wall: float) -> list[Event]:
+    def _handle(self, frames: Iterable[Frame], now: float, wall: float) -> list[Event]:
         return [event for frame in frames for event in self._handle_frame(frame, now, wall)]
 
     def _handle_frame(self, frame: Frame, now: float, wall: float) -> list[Event]:
@@ -106,6 +125,8 @@ class Host:
             return [Notice(str(error))]
         except TooManyTopicsError as error:
             return [Lost(str(error))]
+        told = min(self._announcements.largest_buffer, MAX_PAYLOAD)
+        self._decoder.longest = max(self._decoder.longest, told)
         self._last_sign = now
         return [event] if event else []
 

@@ -23,7 +23,7 @@ from robot.rosserial.events import (
     ParameterRequest,
     Send,
 )
-from robot.rosserial.frame import MAX_PAYLOAD, encode
+from robot.rosserial.frame import MAX_PAYLOAD, USUAL_PAYLOAD, encode
 from robot.rosserial.host import SILENCE, Host
 from robot.rosserial.ids import STOP_SENDING
 from robot.rosserial.log_budget import LogBudget
@@ -34,7 +34,7 @@ from robot.serial.device_topics import deserialised, serialised
 from robot.serial.endpoints import Endpoints
 from robot.serial.parameters import Parameters
 from robot.serial.port import PortError, SerialPort
-from robot.serial.transmit_queue import TransmitQueue
+from robot.serial.transmit_queue import BITS_PER_BYTE, TransmitQueue
 from robot.serial.waker import Waker
 
 HEAR_AGAIN = 2.0  # s between two looks for a publisher that was missed
@@ -60,8 +60,8 @@ class SerialLine:
         )
         self._parameters = Parameters(master, self._answer)
         self._device_log, self._log_budget = DeviceLogger(), LogBudget()
-        self._host = Host(time.monotonic())
-        self._room = MAX_PAYLOAD  # bytes, of the device's buffer
+        self._host = Host(time.monotonic(), BITS_PER_BYTE / port.baudrate)
+        self._room = USUAL_PAYLOAD  # bytes, of the device's buffer
         self._lock = threading.Lock()  # for all below, and for writing to the port
         self._queue = TransmitQueue(port.baudrate)
         self._dead_men: dict[int, DeadMan] = {}
@@ -117,6 +117,7 @@ class SerialLine:
             now = time.monotonic()
             for topic_id, dead_man in self._dead_men.items():
                 if dead_man.expired(now):
+                    self._queue.break_off(now)
                     self._queue.command(topic_id, encode(topic_id, dead_man.neutral))
             self._transmit(now)
             self._wakes_at = min(now + TICK, self._next_due())
@@ -124,12 +125,13 @@ class SerialLine:
 
     def _command(self, topic: TopicInfo, payload: bytes) -> None:
         """Called from rospy's threads."""
-        if len(payload) > topic.buffer_size:
+        room = min(topic.buffer_size, MAX_PAYLOAD)
+        if len(payload) > room:
             _log.warning(
                 "message of %d bytes for %s dropped: longer than the device's buffer of %d",
                 len(payload),
                 topic.topic_name,
-                topic.buffer_size,
+                room,
             )
             return
         frame = encode(topic.topic_id, payload)
@@ -172,6 +174,7 @@ class SerialLine:
 
     def _stop_device(self) -> None:
         """Its last words: commands are not written any more."""
+        time.sleep(self._queue.break_off(time.monotonic()))
         for topic_id, dead_man in self._dead_men.items():
             self._port.write(encode(topic_id, dead_man.neutral))
         self._port.write(STOP_SENDING)

@@ -7,7 +7,7 @@ import rospy
 
 from laser_bot_battle.master import Master, MasterError
 from robot.rosserial import parameters
-from robot.rosserial.frame import HEADER
+from robot.rosserial.frame import OVERHEAD
 from robot.task_thread import TaskThread
 
 MAX_QUESTIONS = 8  # that wait; ros_lib asks one at a time, and then for 1 s
@@ -34,7 +34,7 @@ class Parameters:
     def _answer(self, name: str, room: int) -> bytes:
         try:
             frame = parameters.answer(self._master.call("getParam", rospy.resolve_name(name)))
-            if len(frame) > HEADER + room + 1:
+            if len(frame) > OVERHEAD + room:
                 raise ValueError(f"{len(frame)} bytes are more than the device's {room}")
         except (OSError, MasterError, ValueError) as error:
             _log.warning("the device asks for parameter %r and gets none: %s", name, error)

@@ -100,6 +100,7 @@ class Device:
 
     def _run(self) -> None:
         decoder = Decoder()
+        decoder.longest = max(decoder.longest, *(info.buffer_size for info in self._subscribers))
         while self._woken not in select.select([self._master, self._woken], [], [])[0]:
             with self._reading:
                 data = os.read(self._master, 4096)

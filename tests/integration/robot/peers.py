@@ -3,6 +3,7 @@
 python -m tests.integration.robot.peers publish TOPIC PERIOD COUNT LINEAR ANGULAR SHOOT [LINEAR ...]
 python -m tests.integration.robot.peers listen TOPIC
 python -m tests.integration.robot.peers show TOPIC TYPE         (prints each message in one line)
+python -m tests.integration.robot.peers text TOPIC LENGTH       (publishes one std_msgs/String once somebody listens)
 python -m tests.integration.robot.peers setup TOPIC ID TEAM MODE  (latches one)
 python -m tests.integration.robot.peers call SERVICE            (of std_srvs/Trigger)
 python -m tests.integration.robot.peers serve SERVICE           (of std_srvs/Trigger)
@@ -17,7 +18,7 @@ from pathlib import Path
 
 import genpy.message
 import rospy
-from std_msgs.msg import Empty
+from std_msgs.msg import Empty, String
 from std_srvs.srv import Trigger, TriggerResponse
 
 from laser_bot_battle.msg import Robot_msg, Setup
@@ -50,6 +51,15 @@ def listen(topic: str) -> None:
 def show(topic: str, type_name: str) -> None:
     kind = genpy.message.get_message_class(type_name)
     rospy.Subscriber(topic, kind, lambda message: print(" ".join(str(message).split()), flush=True))
+    rospy.spin()
+
+
+def text(topic: str, length: str) -> None:
+    publisher = rospy.Publisher(topic, String, queue_size=1)
+    while publisher.get_num_connections() == 0:
+        time.sleep(0.01)
+    publisher.publish("x" * int(length))
+    print("published", flush=True)
     rospy.spin()
 
 
@@ -92,5 +102,5 @@ if __name__ == "__main__":
     role, *words = sys.argv[1:]
     rospy.init_node(f"peer_{role}", anonymous=True)
     roles: dict[str, Callable[..., None]] = {"publish": publish, "listen": listen, "show": show, "setup": setup}
-    roles |= {"call": call, "serve": serve, "ids": ids}
+    roles |= {"text": text, "call": call, "serve": serve, "ids": ids}
     roles[role](*words)

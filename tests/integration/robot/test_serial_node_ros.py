@@ -9,6 +9,7 @@ from typing import Any
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
+from sensor_msgs.msg import LaserScan
 
 from laser_bot_battle.master import Master
 from laser_bot_battle.msg import BoardHealth, Setup
@@ -270,6 +271,50 @@ def test_a_publisher_of_the_setup_that_did_not_answer_is_asked_again(
             publisher.shutdown()
             thread.join()
     assert set(asked) == {"/Robot55 /Robot55/setup"}
+
+
+def test_a_board_with_large_buffers_sends_and_gets_messages_up_to_them_and_is_told_of_longer_ones(
+    start: Start, ros_master: RosMaster, tmp_path: Path
+) -> None:
+    kind = ("std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1")
+    scan, text, neighbour = (
+        TopicInfo(126, "scan", "sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369", 16_384),
+        TopicInfo(101, "text", *kind, 16_384),
+        TopicInfo(102, "short", *kind, 280),
+    )
+    laser = serialised(LaserScan(ranges=[1.5] * 720, intensities=[0.25] * 720))
+    assert len(laser) > 5800
+    with Device(tmp_path / "tty", subscribers=(COMMAND, text, neighbour), publishers=(scan,)) as device:
+        shown = peer(start, "show", "/scan", "sensor_msgs/LaserScan")
+        node = serve(start, device.path, 58)
+        node.wait_for("/scan (sensor_msgs/LaserScan) joined")
+
+        def is_heard() -> bool:
+            device.send(encode(126, laser))
+            return "ranges: [1.5, 1.5, " in shown.output
+
+        until(is_heard)
+        for topic in "text", "short":
+            peer(start, "text", f"/{topic}", "16000")
+        until(lambda: device.payloads(101) == [string("x" * 16_000)], 20)
+        node.wait_for("message of 16004 bytes for short dropped: longer than the device's buffer of 280")
+        assert "noise" not in node.output
+        device.send(encode(126, bytes(20_000)))
+        node.wait_for("frame of 20000 bytes from the device dropped")
+        assert "noise" not in node.output
+
+
+def test_the_neutral_of_a_robot_does_not_wait_for_a_long_message(start: Start, tmp_path: Path) -> None:
+    text = TopicInfo(101, "text", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", 65_535)
+    with Device(tmp_path / "tty", subscribers=(COMMAND, text)) as device:
+        serve(start, device.path, 59).wait_for("/text (std_msgs/String) joined")
+        driver = peer(start, "publish", "/Robot59/command", "0.05", "100000", "1", "0", "0")
+        until(device.commands)
+        peer(start, "text", "/text", "60000")
+        until(lambda: b"xxx" in device.received)
+        driver.kill()
+        until(lambda: encode(100, bytes(3)) in device.received, 5, "neutral")
+        assert device.received.count(b"x") < 60_000, "all of it takes the line for 10 s"
 
 
 def test_health_is_the_boards_and_the_raspberry_pis(start: Start, tmp_path: Path) -> None:

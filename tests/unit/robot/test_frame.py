@@ -96,3 +96,43 @@ def test_a_slow_frame_is_not_given_up_because_of_older_ones() -> None:
     assert decoder.feed(HIT[4:] + HIT[:4], 0.9) == [VECTORS["hit"][1]]
     assert decoder.expire(1.5) == []
     assert decoder.feed(HIT[4:], 1.6) == [VECTORS["hit"][1]]
+
+
+def test_frames_of_any_length_are_found_once_the_device_has_buffers_for_them() -> None:
+    payload = bytes(range(255)) * 257
+    decoder = Decoder()
+    decoder.longest = len(payload)
+    wire = encode(200, payload) + HIT
+    frames = [frame for at in range(0, len(wire), 4096) for frame in decoder.feed(wire[at : at + 4096], 0.0)]
+    assert frames == [Frame(200, payload), VECTORS["hit"][1]]
+    assert (decoder.bad_frames, decoder.garbage) == (0, 0)
+
+
+def test_a_frame_may_say_that_those_behind_it_are_longer() -> None:
+    decoder = Decoder()
+    found = []
+    for frame in decoder.frames(HIT + encode(200, bytes(5000)), 0.0):
+        decoder.longest = 5000
+        found.append(frame.topic_id)
+    assert found == [125, 200]
+
+
+def test_a_frame_that_is_too_long_is_no_noise_and_hides_nothing() -> None:
+    decoder = Decoder()
+    wire = encode(200, b"\xff\xfe\x00garbage\xff\xfe\x10\x27\xc8" * 500) + b"stray" + HIT
+    frames = [frame for at in range(0, len(wire), 1000) for frame in decoder.feed(wire[at : at + 1000], 0.0)]
+    assert frames == [VECTORS["hit"][1]]
+    assert (decoder.bad_frames, decoder.too_long, decoder.last_too_long) == (1, 1, 7500)
+    assert decoder.garbage == len(b"stray")
+
+
+def test_the_rest_of_a_long_frame_is_waited_for_as_long_as_it_takes_on_the_line() -> None:
+    decoder = Decoder(byte_time=10 / 57600)
+    decoder.longest = 16_384
+    wire = encode(200, bytes(16_384))
+    decoder.feed(wire[:100], 0.0)
+    assert decoder.expire(3.8) == []
+    assert decoder.feed(wire[100:], 3.8) == [Frame(200, bytes(16_384))]
+    decoder.feed(wire[:100], 4.0)
+    decoder.expire(8.0)
+    assert decoder.bad_frames == 1

@@ -185,6 +185,33 @@ def test_a_request_for_a_parameter_is_told(joined: Conversation) -> None:
     assert joined.hear(encode(6, b"\x04\0\0\0gain")) == [ParameterRequest("gain")]
 
 
+SCAN = TopicInfo(130, "scan", "sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369", 16_384)
+
+
+def test_frames_may_be_as_long_as_the_buffers_of_which_the_device_has_told(joined: Conversation) -> None:
+    *_, scan = joined.hear(encode(0, SCAN.encode()) + encode(130, bytes(16_384)))
+    assert scan == Message(130, bytes(16_384))
+
+
+def test_a_longer_one_is_told_as_that_and_not_as_noise_once_in_ten_seconds(joined: Conversation) -> None:
+    joined.hear(encode(0, SCAN.encode()))
+    longer = encode(130, bytes(16_385))
+    told = [event for _ in range(25) for event in joined.hear(longer + TIME_REQUEST) + joined.wait(1)]
+    notices = [event.text for event in told if isinstance(event, Notice)]
+    assert len(notices) == 3
+    assert notices[1] == (
+        "frame of 16385 bytes from the device dropped, as 11 in all: longer than the 16384 that are taken from it, "
+        "enlarge the buffers that its sketch tells"
+    )
+    assert all(isinstance(event, Send | Notice) for event in told)
+
+
+def test_a_buffer_beyond_what_a_frame_can_hold_is_no_reason_to_refuse_the_topic(joined: Conversation) -> None:
+    endless = TopicInfo(131, "endless", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", 2**31 - 1)
+    assert joined.hear(encode(0, endless.encode())) == [DevicePublishes(endless)]
+    assert joined.hear(encode(131, bytes(65_535))) == [Message(131, bytes(65_535))]
+
+
 REQUEST, ANSWER = "d41d8cd98f00b204e9800998ecf8427e", "937c9679a518e3a18d831e57125ea522"  # md5s of std_srvs/Trigger
 
 

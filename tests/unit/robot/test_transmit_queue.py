@@ -1,4 +1,4 @@
-from robot.serial.transmit_queue import MAX_ANSWERS, TransmitQueue
+from robot.serial.transmit_queue import BROKEN_OFF, MAX_ANSWERS, PIECE, TransmitQueue
 
 
 def test_an_empty_queue_has_nothing_to_write() -> None:
@@ -62,3 +62,45 @@ def test_nothing_is_written_while_the_line_is_still_busy_with_the_last_bytes() -
     assert queue.due is not None
     assert abs(queue.due - 5.1) < 1e-6
     assert queue.take(5.11) == b"fresh"
+
+
+def test_a_long_frame_goes_in_pieces_at_the_lines_speed_and_nothing_comes_between_them() -> None:
+    queue = TransmitQueue(57600)
+    frame = bytes(range(256)) * 25
+    queue.command(100, frame)
+    queue.command(101, b"behind it")
+    written, now = [], 0.0
+    while queue.due is not None:
+        now = queue.due
+        written.append(queue.take(now))
+    assert b"".join(written) == frame + b"behind it"
+    assert {len(piece) for piece in written[:-2]} == {PIECE}
+    assert abs(now - len(frame) / 5760) < 1e-6
+
+
+def test_a_long_answer_has_room_beside_short_ones_but_not_beside_another_one() -> None:
+    queue = TransmitQueue(57600)
+    for frame in (b"short", bytes(16_000), b"short", bytes(16_000)):
+        queue.send(frame)
+    assert queue.refused == 1
+    written = b""
+    while queue.due is not None:
+        written += queue.take(queue.due)
+    assert written == b"short" + bytes(16_000) + b"short"
+    queue.send(bytes(16_000))
+    assert queue.refused == 1
+
+
+def test_what_is_urgent_breaks_off_a_long_frame_and_goes_once_the_device_has_given_that_up() -> None:
+    queue = TransmitQueue(57600)
+    assert queue.break_off(0.0) == 0
+    queue.command(101, bytes(16_000))
+    queue.take(0.0)
+    queue.send(b"answer")
+    queue.command(100, b"neutral")
+    silent = PIECE / 5760 + BROKEN_OFF
+    assert abs(queue.break_off(0.0) - silent) < 1e-6
+    assert queue.take(silent - 0.001) == b""
+    assert queue.take(silent) == b"neutral"
+    assert queue.take(1.0) == b"answer"
+    assert queue.take(2.0) == b""
