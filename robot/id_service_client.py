@@ -33,9 +33,10 @@ with missing_explained():
     from robot.master_location import Lookout, MasterLocation, MovedError, ReaddressedError
     from robot.ping_thread import PingThread
     from robot.registration import RegistrationError, register
+    from robot.rosserial.host import ANSWER_TIMEOUT
     from robot.serial.find_arduino import ArduinoLostError, find_arduino
-    from robot.serial.port import PortError, probe
-    from robot.serial_process import SerialNode
+    from robot.serial.port import NoAnswerError, PortError, probe
+    from robot.serial_process import NO_ANSWER, SerialNode
     from robot.settings import Settings
     from robot.status_led import Indication, State, status_led
 
@@ -46,6 +47,7 @@ require(
 PROGRAM = "robot.id_service_client"
 POLL = 0.1  # s
 LOOK = 1.0  # s between two looks at addresses, and two signs of life
+LONGEST_START = 60.0  # s that the device may take to answer, in the end
 LOST_AFTER = 2.0  # s without an answer to the pings; the master may be at another address then
 
 _log = logging.getLogger(__name__)
@@ -114,6 +116,7 @@ class Robot:
         self._led = led
         self._heart = heart
         self._backoff = Backoff(settings.retry)
+        self._answer_within = ANSWER_TIMEOUT
 
     def run(self) -> NoReturn:
         while True:
@@ -131,7 +134,7 @@ class Robot:
         place = self._location.locate()
         device = find_arduino(self._settings.devices)
         _log.info("asking the Arduino at %s", device)
-        probe(device)
+        self._probe(device)
         key = secrets.token_urlsafe()  # by which the server tells this robot's pings from others'
         robot_id = register(place.ros_master_uri, self._settings.caller_id, key, wanted=lambda: True)
         registered = True
@@ -158,6 +161,17 @@ class Robot:
                 # Until it notices, rospy takes the next player's connection for that one.
                 registered = False
 
+    def _probe(self, device: str) -> None:
+        """As `probe`. A device that has not answered gets more time after each attempt: opening the port resets it,
+        perhaps again and again just before it would have answered."""
+        try:
+            probe(device, self._answer_within)
+        except NoAnswerError as error:
+            self._answer_within = min(2 * self._answer_within, LONGEST_START)
+            told = f"{error}; the next attempt may reset it, and gives it {self._answer_within:g} s"
+            raise NoAnswerError(told) from None
+        self._answer_within = ANSWER_TIMEOUT
+
     def _supervise(self, node: SerialNode, pings: PingThread, lookout: Lookout) -> None:
         """Watch a working robot until the server has forgotten it; a server that does so at once is not asked in a
         rush.
@@ -181,7 +195,7 @@ class Robot:
                     self._heart.beat()
                     if pings.welcome:
                         alive.touch()
-                    if node.age >= STEADY:
+                    if node.age >= ANSWER_TIMEOUT + STEADY:
                         self._backoff.worked()
                 time.sleep(POLL)
         finally:
@@ -216,7 +230,7 @@ class Robot:
 def start_again(node: SerialNode) -> None:
     """ArduinoLostError when that is of no use."""
     reason = lost(node)
-    if node.age < STEADY:
+    if node.age < STEADY or node.exit_code == NO_ANSWER:
         raise ArduinoLostError(reason)
     find_arduino((node.device,))
     _log.error("%s: starting it again", reason)

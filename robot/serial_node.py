@@ -35,11 +35,13 @@ with missing_explained():
     from robot.camera.address import tell_camera
     from robot.health import HealthThread
     from robot.master_location import locate_once
+    from robot.rosserial.host import ANSWER_TIMEOUT
     from robot.serial.find_arduino import ArduinoLostError, find_arduino
     from robot.serial.line import SerialLine
-    from robot.serial.port import BAUDRATE, PortError, SerialPort
+    from robot.serial.port import BAUDRATE, NoAnswerError, PortError, SerialPort
     from robot.serial.private_parameters import BadParameterError, PrivateParameters
     from robot.serial.waker import Waker
+    from robot.serial_process import NO_ANSWER
     from robot.settings import Settings
 
 _log = logging.getLogger(__name__)
@@ -72,7 +74,18 @@ def main() -> int:
     parser.add_argument(
         "device", nargs="?", help="path of the serial device, or a pyserial URL such as socket://host:port"
     )
-    parser.add_argument("--end-with-stdin", action="store_true", help="end when stdin does: its writer is gone")
+    parser.add_argument(
+        "--end-with-stdin",
+        action="store_true",
+        help="end when stdin does: its writer is gone; and with code 3 if the device never answered",
+    )
+    parser.add_argument(
+        "--answer-within",
+        type=float,
+        default=ANSWER_TIMEOUT,
+        metavar="SECONDS",
+        help="how long the device may take to answer (default %(default)g)",
+    )
     arguments = parser.parse_args(rospy.myargv()[1:])
     settings = Settings.load(PROGRAM)
     priority.take(settings.priority)  # of this thread, and of those that it starts
@@ -104,7 +117,7 @@ def main() -> int:
     try:
         tell_camera(settings, master)
         with SerialPort(device or find_arduino(settings.devices), baudrate) as port:
-            return serve(port, waker, master, settings.log_level)
+            return serve(port, waker, master, settings.log_level, arguments)
     except ArduinoLostError as error:
         _log.error("%s", error)
         return 1
@@ -115,7 +128,7 @@ def main() -> int:
         watch.stop()
 
 
-def serve(port: SerialPort, waker: Waker, master: Master, log_level: str) -> int:
+def serve(port: SerialPort, waker: Waker, master: Master, log_level: str, arguments: argparse.Namespace) -> int:
     """Be the node until something ends it; returns the exit code."""
     cure_rospy()
     rospy.init_node(NODE, disable_signals=True)
@@ -123,7 +136,7 @@ def serve(port: SerialPort, waker: Waker, master: Master, log_level: str) -> int
     number = rospy.get_name().removeprefix("/Robot")
     configure_logging(log_level, **({"robot": int(number)} if number.isascii() and number.isdigit() else {}))
     rospy.on_shutdown(lambda: waker.end("another node has taken this node's name"))
-    line = SerialLine(port, waker, master)
+    line = SerialLine(port, waker, master, arguments.answer_within)
     health = HealthThread(line.board, port.device, line.state)
     health.start()
     _log.info("%s serves %s", rospy.get_name(), port.device)
@@ -134,6 +147,7 @@ def serve(port: SerialPort, waker: Waker, master: Master, log_level: str) -> int
         code = 0 if reason == STOPPED else 1
     except PortError as error:
         _log.error(LOST, error)
+        code = NO_ANSWER if arguments.end_with_stdin and isinstance(error, NoAnswerError) else 1
     finally:
         health.stop()
         # rospy tells the ROS master, for whose answer it would wait for ever

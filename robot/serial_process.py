@@ -15,8 +15,10 @@ from laser_bot_battle.names import (
     setup_topic,
 )
 from laser_bot_battle.place import Place
+from robot.rosserial.host import ANSWER_EXPECTED
 
 STOP_TIMEOUT = 1.0  # s
+NO_ANSWER = 3  # exit code: the device has not answered at all
 
 
 class SerialNode:
@@ -40,14 +42,15 @@ class SerialNode:
         self._environment = {**os.environ, **place.environment()}
         self._start()
 
-    def _start(self) -> None:
+    def _start(self, *further: str) -> None:
         self._started = time.monotonic()
-        self._process = subprocess.Popen(self._words, env=self._environment, stdin=subprocess.PIPE, process_group=0)
+        words = [*self._words, *further]
+        self._process = subprocess.Popen(words, env=self._environment, stdin=subprocess.PIPE, process_group=0)
 
     def start_again(self) -> None:
-        """It has ended."""
+        """It has ended. The device is no longer starting: if it takes long to answer now, something is wrong."""
         self._let_go()
-        self._start()
+        self._start("--answer-within", f"{ANSWER_EXPECTED:g}")
 
     @property
     def age(self) -> float:

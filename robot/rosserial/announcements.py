@@ -7,6 +7,7 @@ from robot.rosserial.topic_info import TopicInfo
 
 MAX_TOPICS = 128  # that one device may tell; ros_lib has 50 on an Uno, a service counts as two
 
+_OF_OUR_FIRMWARE = "laser_bot_battle/BoardHealth"  # it alone publishes this type
 _SERVED = (ids.SERVED_REQUESTS, ids.SERVED_ANSWERS)
 _CALLED = (ids.CALLED_REQUESTS, ids.CALLED_ANSWERS)
 KINDS = (ids.PUBLISHER, ids.SUBSCRIBER, *_SERVED, *_CALLED)
@@ -22,6 +23,7 @@ class Announcements:
     def __init__(self) -> None:
         self.sent_by_device: set[int] = set()  # the ids of its messages
         self.largest_buffer = 0  # bytes
+        self.is_our_firmware = False
         self._told: set[tuple[int, TopicInfo]] = set()
         self._halves: dict[tuple[int, str], TopicInfo] = {}  # by kind and name of the service
 
@@ -43,6 +45,7 @@ class Announcements:
         if kind in (ids.PUBLISHER, ids.SERVED_ANSWERS, ids.CALLED_REQUESTS):
             self.sent_by_device.add(info.topic_id)
         if kind == ids.PUBLISHER:
+            self.is_our_firmware |= info.message_type == _OF_OUR_FIRMWARE
             return DevicePublishes(info)
         if kind == ids.SUBSCRIBER:
             return DeviceSubscribes(info)

@@ -1,7 +1,8 @@
 """The host's side of one conversation with a device, as a state machine: bytes and the time in, events out.
 
-The host asks for topics until the device tells them, answers its requests for the time, asks again when these stay
-away, and gives the device up when that brings no answer either.
+The host asks for topics until the device tells them, answers its requests for the time, asks again when the device
+falls silent, and gives it up when that brings no answer either. Every good frame is a sign of life; from our own
+firmware, which sends its health as long as it runs, only what shows that it hears the host, too.
 """
 
 import struct
@@ -14,22 +15,31 @@ from robot.rosserial.frame import MAX_PAYLOAD, Decoder, Frame, encode
 
 ASK_PERIOD = 1.0  # s between topic requests: the first ones may meet a boot loader
 NOISE_PERIOD = 10.0  # s between two complaints about broken frames
-ANSWER_TIMEOUT = 8.0  # s to the first answer; a board that resets on opening boots for 2 to 4 s
-SILENCE = 3.0  # s without a time request until topics are asked for again: devices, ros_lib too, ask every 2.5 s
+ANSWER_TIMEOUT = 15.0  # s to the first answer, as with rosserial_python: a sketch may have much to do before it listens
+ANSWER_EXPECTED = 8.0  # s; a board that resets on opening boots for 2 to 4 s. That it takes longer is told.
+SILENCE = 3.0  # s without a sign of life until topics are asked for again: devices, ros_lib too, speak every 2.5 s
+# Our firmware is never busy for long, so that a fault of it is noticed soon:
 SILENCE_ASK_PERIOD = 0.5  # s; a board that has reset itself boots for up to 2 s, and must hear one
-SILENCE_AFTER_ASKING = 2.0  # s more until the device is given up; a sketch may be busy for so long
+SILENCE_AFTER_ASKING = 2.0  # s more until the device is given up
+# Other sketches may be, and all the questions then wait in the 64 bytes of an Uno:
+SKETCH_ASK_PERIOD = 2.0  # s
+SKETCH_SILENCE = 15.0  # s in all until the device is given up, as with rosserial_python
 AWAY = 1.0  # s; a host that did not look for longer cannot say that the device was silent
 
 
 class Host:
     """All times are s of one steady clock, but `wall`, which is s since 1970."""
 
-    def __init__(self, now: float, byte_time: float = 0.0) -> None:
-        """`byte_time`: s that a byte takes on the line."""
+    def __init__(self, now: float, byte_time: float = 0.0, answer_within: float = ANSWER_TIMEOUT) -> None:
+        """`byte_time`: s that a byte takes on the line; `answer_within`: s to the first answer."""
         self._decoder = Decoder(byte_time)
+        self._byte_time = byte_time
+        self._answer_within = answer_within
+        self._answer_is_late = False
+        self._others = 0  # frames before the answer
         self._started = self._looked = now
         self._asked: float | None = None
-        self._last_sign: float | None = None  # of a living device: topic info or time request
+        self._last_sign: float | None = None
         self._announcements = Announcements()
         self._noise_told: tuple[float, str] = (now - NOISE_PERIOD, "")
         self._too_long_told: tuple[float, int] = (now - NOISE_PERIOD, 0)
@@ -63,14 +73,32 @@ class Host:
             self._last_sign = min(now, self._last_sign + away)
         events = self._handle(self._decoder.expire(now), now, wall)
         if self._last_sign is None:
-            if now - self._started >= ANSWER_TIMEOUT:
-                return [*events, Lost(f"no answer to the topic request within {ANSWER_TIMEOUT:g} s{self._noise()}")]
-            return events + self._ask(now, ASK_PERIOD)
+            return events + self._wait_for_answer(now)
         silent = now - self._last_sign
-        if silent >= SILENCE + SILENCE_AFTER_ASKING:
-            reason = f"no time request for {silent:.0f} s and no answer to the topic request{self._noise()}"
+        ours = self._announcements.is_our_firmware
+        if silent >= self._patience():
+            sign = "time request" if ours else "sign of life"
+            reason = f"no {sign} for {silent:.0f} s and no answer to the topic request{self._noise()}"
             return [*events, Lost(reason)]
-        return events + (self._ask(now, SILENCE_ASK_PERIOD) if silent >= SILENCE else [])
+        return events + (self._ask(now, SILENCE_ASK_PERIOD if ours else SKETCH_ASK_PERIOD) if silent >= SILENCE else [])
+
+    def _wait_for_answer(self, now: float) -> list[Event]:
+        waited = now - self._started
+        if waited >= self._answer_within:
+            return [Lost(f"no answer to the topic request within {self._answer_within:g} s{self._seen()}")]
+        asked = self._ask(now, ASK_PERIOD)
+        if waited < ANSWER_EXPECTED or self._answer_is_late:
+            return asked
+        self._answer_is_late = True
+        late = f"no answer to the topic request for {waited:.0f} s{self._seen()}: waiting for {self._answer_within:g} s"
+        return [*asked, Notice(late)]
+
+    def _patience(self) -> float:
+        """s of silence after which the device is given up."""
+        if self._announcements.is_our_firmware:
+            return SILENCE + SILENCE_AFTER_ASKING
+        # while a long frame is on the line, nothing else is
+        return SKETCH_SILENCE + min(self._announcements.largest_buffer, MAX_PAYLOAD) * self._byte_time
 
     def _complaint(self, now: float) -> list[Event]:
         """A line about what was not understood, when that has grown, at most one per NOISE_PERIOD."""
@@ -100,6 +128,12 @@ class Host:
         bad, garbage = self._decoder.bad_frames - self._decoder.too_long, self._decoder.garbage
         return f" ({bad} broken frames, {garbage} stray bytes: wrong speed or sketch?)" if bad or garbage else ""
 
+    def _seen(self) -> str:
+        """What has come in place of an answer."""
+        if self._others:
+            return f" ({self._others} other frames came, as from a sketch that does not tell its topics)"
+        return self._noise() or " (nothing came at all: no sketch, another port, or one that is still starting?)"
+
     def _ask(self, now: float, period: float) -> list[Event]:
         if self._asked is not None and now - self._asked < period:
             return []
@@ -110,12 +144,16 @@ class Host:
         return [event for frame in frames for event in self._handle_frame(frame, now, wall)]
 
     def _handle_frame(self, frame: Frame, now: float, wall: float) -> list[Event]:
+        if not self.answered:  # anything else is from an earlier conversation: the topics are still to come
+            self._others += frame.topic_id not in KINDS
+        elif not self._announcements.is_our_firmware or frame.topic_id == ids.TIME:
+            self._last_sign = now
         if frame.topic_id >= ids.FIRST_TOPIC:
             return self._message(frame, now)
         if frame.topic_id in KINDS:
             return self._topic(frame, now)
         if frame.topic_id == ids.TIME:
-            return self._time(now, wall)
+            return self._time(wall)
         return _aside(frame)
 
     def _topic(self, frame: Frame, now: float) -> list[Event]:
@@ -138,9 +176,7 @@ class Host:
         notice = Notice(f"message on unknown topic id {frame.topic_id}: asking for the topics again")
         return [notice, *asking] if asking else []
 
-    def _time(self, now: float, wall: float) -> list[Event]:
-        if self._last_sign is not None:  # else: from an earlier conversation, the topics are still to come
-            self._last_sign = now
+    def _time(self, wall: float) -> list[Event]:
         secs, fraction = divmod(wall, 1)
         return [Send(encode(ids.TIME, struct.pack("<II", int(secs), int(fraction * 1e9))))]
 

@@ -33,7 +33,7 @@ from robot.serial.device_log import DeviceLogger
 from robot.serial.device_topics import deserialised, serialised
 from robot.serial.endpoints import Endpoints
 from robot.serial.parameters import Parameters
-from robot.serial.port import PortError, SerialPort
+from robot.serial.port import PortError, SerialPort, lost
 from robot.serial.transmit_queue import BITS_PER_BYTE, TransmitQueue
 from robot.serial.waker import Waker
 
@@ -47,8 +47,8 @@ class SerialLine:
     """`run` reads the device and keeps the deadlines; commands are written by rospy's threads that receive them, as
     waking another thread for each would cost more than all the rest."""
 
-    def __init__(self, port: SerialPort, waker: Waker, master: Master) -> None:
-        """`port` and `waker` are this line's alone; `master` is asked for parameters."""
+    def __init__(self, port: SerialPort, waker: Waker, master: Master, answer_within: float) -> None:
+        """`port` and `waker` are this line's alone; `master` is asked for parameters; `answer_within`: s."""
         self.board = Board()
         self._port = port
         self._waker = waker
@@ -60,7 +60,7 @@ class SerialLine:
         )
         self._parameters = Parameters(master, self._answer)
         self._device_log, self._log_budget = DeviceLogger(), LogBudget()
-        self._host = Host(time.monotonic(), BITS_PER_BYTE / port.baudrate)
+        self._host = Host(time.monotonic(), BITS_PER_BYTE / port.baudrate, answer_within)
         self._room = USUAL_PAYLOAD  # bytes, of the device's buffer
         self._lock = threading.Lock()  # for all below, and for writing to the port
         self._queue = TransmitQueue(port.baudrate)
@@ -72,7 +72,8 @@ class SerialLine:
         self._ends = False
 
     def run(self) -> str:
-        """Work until the waker says to end and return that reason; PortError when the device is lost.
+        """Work until the waker says to end and return that reason; PortError when the device is lost, NoAnswerError
+        when it was never there.
 
         The device is left neutral and silent.
         """
@@ -198,7 +199,7 @@ class SerialLine:
             case Notice(text):
                 _log.warning("%s", text)
             case Lost(reason):
-                raise PortError(f"{self._port.device}: {reason}")
+                raise lost(self._port.device, self._host, reason)
 
     def _subscribed(self, info: TopicInfo) -> None:
         """The device tells that it subscribes, perhaps again: then it may have been reset, and have lost its setup."""

@@ -1,6 +1,7 @@
 """The serial port of the Arduino: a device path, or a pyserial URL such as socket://host:port."""
 
 import contextlib
+import logging
 import os
 import select
 import socket
@@ -9,15 +10,21 @@ import time
 
 import serial
 
-from robot.rosserial.events import Lost, Send
+from robot.rosserial.events import Lost, Notice, Send
 from robot.rosserial.host import Host
 
 BAUDRATE = 57600
 WRITE_TIMEOUT = 1.0  # s
 
+_log = logging.getLogger(__name__)
+
 
 class PortError(Exception):
     """The port cannot be opened, or was lost; the text says why."""
+
+
+class NoAnswerError(PortError):
+    """The device does not say what it is; the text says what has come instead."""
 
 
 class SerialPort:
@@ -90,15 +97,21 @@ def _send_at_once(fileno: int) -> None:
         same.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
 
-def probe(device: str) -> None:
-    """Return when a rosserial device has answered on the port; PortError says why not.
+def lost(device: str, host: Host, reason: str) -> PortError:
+    """The error for the end of a conversation."""
+    return (PortError if host.answered else NoAnswerError)(f"{device}: {reason}")
+
+
+def probe(device: str, answer_within: float) -> None:
+    """Return when a rosserial device has answered on the port; PortError says why not, NoAnswerError after
+    `answer_within` s.
 
     An Arduino that has just been reset by the opening needs some seconds. Once it has answered, the next opening
     does not reset it again: a robot that is offered to players can move at once.
     """
     with SerialPort(device) as port:
         port.reset_on_open(True)
-        host = Host(time.monotonic())
+        host = Host(time.monotonic(), answer_within=answer_within)
         while not host.answered:
             ready, _, _ = select.select([port], [], [], 0.1)
             data = port.read() if ready else b""
@@ -107,6 +120,8 @@ def probe(device: str) -> None:
             for event in events:
                 if isinstance(event, Send):
                     port.write(event.data)
+                elif isinstance(event, Notice):
+                    _log.warning("%s: %s", device, event.text)
                 elif isinstance(event, Lost):
-                    raise PortError(f"{device}: {event.reason}")
+                    raise lost(device, host, event.reason)
         port.reset_on_open(False)

@@ -107,7 +107,8 @@ def test_a_robot_whose_arduino_does_not_answer_is_not_registered(
     ids: IdService, web: WebServer, device: Device, robot: Program
 ) -> None:
     device.answers = False
-    robot.wait_for("no answer to the topic request")
+    robot.wait_for("no answer to the topic request for 8 s (nothing came at all")
+    robot.wait_for("the next attempt may reset it, and gives it 30 s")
     assert ids.callers == []
     assert web.pings == []
     device.answers = True
@@ -157,6 +158,24 @@ def test_a_serial_node_that_has_worked_is_started_again_while_the_pings_go_on(
     moments = [moment for moment, _, _ in web.pings]
     pauses = [later - earlier for earlier, later in itertools.pairwise(moments) if later > killed]
     assert max(pauses) < 1.5, "silent for 2 s, a robot is out of its battle"
+
+
+@pytest.mark.slow
+def test_pings_stop_when_the_device_does_not_answer_after_the_serial_node_was_started_again(
+    ids: IdService, web: WebServer, device: Device, robot: Program
+) -> None:
+    robot.wait_for("/Robot0/command")
+    steady = time.monotonic() + STEADY
+    until(lambda: time.monotonic() > steady, STEADY + 1, "it has not failed at its start")
+    device.answers = False
+    os.kill(serial_node(robot, 0), signal.SIGKILL)
+    robot.wait_for("no answer to the topic request within 8 s")
+    robot.wait_for("Connection to Arduino lost: the serial node ended with exit code 3 (again in")
+    pings, asked = len(web.pings), device.topic_requests
+    until(lambda: device.topic_requests >= asked + 2)
+    assert len(web.pings) <= pings + 1  # one may have been on its way
+    device.answers = True
+    until(lambda: robot.output.count("New robot ID = 0") == 2)
 
 
 def test_a_killed_worker_is_back_at_once(ids: IdService, web: WebServer, robot: Program) -> None:

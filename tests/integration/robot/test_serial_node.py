@@ -131,7 +131,7 @@ def test_a_device_that_never_answers_ends_the_node_with_an_error(start: Start, d
     node = start("robot.serial_node", device.path, "__name:=Robot18")
     until(lambda: device.topic_requests >= 3, 10, "topics asked for again and again")
     device.send(b"not rosserial at all\xff\xfe" * 5)
-    assert node.process.wait(20) == 1
+    assert node.process.wait(30) == 1
     assert "no answer to the topic request" in node.output
     assert "stray bytes" in node.output
 

@@ -18,12 +18,13 @@ from robot.rosserial.frame import encode
 from robot.rosserial.topic_info import TopicInfo
 from robot.serial.device_topics import serialised
 from tests.integration.robot.conftest import Start, serve
-from tests.integration.robot.device import COMMAND, EMPTY, ROBOT_MSG, Device
+from tests.integration.robot.device import COMMAND, EMPTY, RESPONSE, ROBOT_MSG, Device
 from tests.support.polling import LATEST, until
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
 
 TRIGGER = ("std_srvs/Trigger", "d41d8cd98f00b204e9800998ecf8427e", "937c9679a518e3a18d831e57125ea522")
+BOARD = TopicInfo(127, "board", BoardHealth._type, BoardHealth._md5sum, 280)
 FORWARD = encode(100, b"\1\0\0")
 
 
@@ -201,11 +202,27 @@ def test_names_of_other_robots_and_of_the_master_are_refused(start: Start, tmp_p
 
 
 @pytest.mark.slow
-def test_a_mute_device_is_noticed_within_5_s(start: Start, device: Device) -> None:
-    node = serve(start, device.path, 51)
+def test_our_firmware_that_is_mute_is_noticed_within_5_s(start: Start, tmp_path: Path) -> None:
+    with Device(tmp_path / "tty", publishers=(RESPONSE, BOARD)) as device:
+        node = serve(start, device.path, 51)
+        node.wait_for("board (laser_bot_battle/BoardHealth) joined")
+        device.answers = False
+        assert node.process.wait(LATEST) == 1
+        assert "no time request for 5 s and no answer to the topic request" in node.output
+
+
+@pytest.mark.slow  # 12 s of real time
+def test_any_other_sketch_may_be_silent_while_it_waits(start: Start, device: Device) -> None:
+    node = serve(start, device.path, 60)
     device.answers = False
-    assert node.process.wait(LATEST) == 1
-    assert "no time request for 5 s and no answer to the topic request" in node.output
+    asked = device.topic_requests
+    until(lambda: device.topic_requests == asked + 5, 20, "questions of 11 s")
+    device.answers = True
+    until(lambda: device.topic_requests == asked + 6, 20, "that it has answered")
+    driver = peer(start, "publish", "/Robot60/command", "0.1", "1", "1", "0", "0")
+    until(device.commands)
+    driver.kill()
+    assert node.running
 
 
 def test_the_last_setup_is_sent_again_to_a_device_that_tells_its_topics_again(start: Start, tmp_path: Path) -> None:
@@ -224,8 +241,7 @@ def test_a_setup_that_was_lost_on_the_line_is_sent_again_until_the_board_is_in_i
     start: Start, tmp_path: Path
 ) -> None:
     setup = TopicInfo(101, "setup", Setup._type, Setup._md5sum, 280)
-    board = TopicInfo(127, "board", BoardHealth._type, BoardHealth._md5sum, 280)
-    with Device(tmp_path / "tty", subscribers=(COMMAND, setup), publishers=(board,)) as device:
+    with Device(tmp_path / "tty", subscribers=(COMMAND, setup), publishers=(BOARD,)) as device:
         node = start("robot.serial_node", device.path, "__name:=Robot54", "setup:=/Robot54/setup")
         node.wait_for("/Robot54/setup")
         peer(start, "setup", "/Robot54/setup", "54", "1", "1")
@@ -318,8 +334,7 @@ def test_the_neutral_of_a_robot_does_not_wait_for_a_long_message(start: Start, t
 
 
 def test_health_is_the_boards_and_the_raspberry_pis(start: Start, tmp_path: Path) -> None:
-    board = TopicInfo(127, "board", BoardHealth._type, BoardHealth._md5sum, 280)
-    with Device(tmp_path / "tty", publishers=(board,)) as device:
+    with Device(tmp_path / "tty", publishers=(BOARD,)) as device:
         shown = peer(start, "show", "/Robot53/health", "laser_bot_battle/Health")
         node = serve(start, device.path, 53)
         until(lambda: "has_board: False" in shown.output)

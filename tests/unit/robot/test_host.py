@@ -23,6 +23,8 @@ from robot.rosserial.topic_info import TopicInfo
 
 COMMAND = TopicInfo(100, "command", "laser_bot_battle/Robot_msg", "aa81278360e1bdd1ffce0a4efe0ae199", 280)
 RESPONSE = TopicInfo(125, "response", "std_msgs/Empty", "d41d8cd98f00b204e9800998ecf8427e", 280)
+BOARD = TopicInfo(127, "board", "laser_bot_battle/BoardHealth", "ce93022442a8a38cf094bba3a502a1a1", 280)
+SCAN = TopicInfo(130, "scan", "sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369", 16_384)
 TOPICS = encode(0, RESPONSE.encode()) + encode(1, COMMAND.encode())
 HIT = bytes.fromhex("ff fe 00 00 ff 7d 00 82")
 TIME_REQUEST = encode(10, bytes(8))
@@ -67,11 +69,19 @@ def fresh() -> Conversation:
 
 
 @pytest.fixture
-def joined() -> Conversation:
+def sketch() -> Conversation:
+    """With any sketch."""
     conversation = Conversation()
     conversation.host.tick(0.0, WALL)
     conversation.hear(TOPICS)
     return conversation
+
+
+@pytest.fixture
+def joined(sketch: Conversation) -> Conversation:
+    """With our own firmware."""
+    sketch.hear(encode(0, BOARD.encode()))
+    return sketch
 
 
 def test_topics_are_asked_for_at_once_and_each_second_until_there_is_an_answer(fresh: Conversation) -> None:
@@ -89,9 +99,19 @@ def test_the_topics_of_the_device_are_told(fresh: Conversation) -> None:
 
 def test_a_device_that_never_answers_is_lost(fresh: Conversation) -> None:
     *asked, lost = fresh.wait(ANSWER_TIMEOUT)
-    assert set(asked) == {ASK}
-    assert isinstance(lost, Lost)
-    assert "no answer to the topic request" in lost.reason
+    nothing = " (nothing came at all: no sketch, another port, or one that is still starting?)"
+    late = Notice(f"no answer to the topic request for 8 s{nothing}: waiting for 15 s")
+    assert [event for event in asked if event != ASK] == [late]
+    assert asked.index(late) == 8, "it was told after as many questions, and seconds"
+    assert lost == Lost(f"no answer to the topic request within 15 s{nothing}")
+
+
+def test_what_a_device_sends_that_does_not_tell_its_topics_is_named(fresh: Conversation) -> None:
+    for _ in range(int(ANSWER_TIMEOUT)):
+        fresh.hear(HIT)
+        *_, last = fresh.wait(1)
+    assert isinstance(last, Lost)
+    assert "15 other frames came, as from a sketch that does not tell its topics" in last.reason
 
 
 def test_a_device_that_sends_only_garbage_is_lost_and_the_garbage_is_named(fresh: Conversation) -> None:
@@ -100,7 +120,7 @@ def test_a_device_that_sends_only_garbage_is_lost_and_the_garbage_is_named(fresh
         fresh.wait(0.1)
     lost = fresh.wait(0.1)[-1]
     assert isinstance(lost, Lost)
-    assert "79 broken frames" in lost.reason
+    assert "149 broken frames" in lost.reason
     assert "stray bytes" in lost.reason
 
 
@@ -138,11 +158,44 @@ def test_a_device_that_never_asks_for_the_time_but_tells_its_topics_stays(joined
         joined.hear(TOPICS)
 
 
-def test_a_device_that_is_silent_for_5_s_is_lost(joined: Conversation) -> None:
+def test_our_firmware_is_lost_after_5_s_of_silence(joined: Conversation) -> None:
     *asked, lost = joined.wait(5)
     assert asked == [ASK] * 4
     assert isinstance(lost, Lost)
     assert "no time request for 5 s" in lost.reason
+
+
+def test_any_other_sketch_may_be_silent_for_15_s(sketch: Conversation) -> None:
+    asked = sketch.wait(14.9)
+    assert asked == [ASK] * 6, "that many fit into the 64 bytes of an Uno"
+    sketch.hear(TIME_REQUEST)
+    *_, lost = sketch.wait(15.1)
+    assert lost == Lost("no sign of life for 15 s and no answer to the topic request")
+
+
+@pytest.mark.parametrize(
+    "frame",
+    [HIT, TIME_REQUEST, encode(7, b"\x02\x07\0\0\0low bat"), encode(6, b"\x04\0\0\0gain"), encode(101), encode(42)],
+)
+def test_any_good_frame_of_a_sketch_is_a_sign_of_life(sketch: Conversation, frame: bytes) -> None:
+    for _ in range(4):
+        sketch.wait(14.9)
+        sketch.hear(frame)
+    assert not [event for event in sketch.wait(2.9) if event == ASK]
+
+
+def test_noise_is_none(sketch: Conversation) -> None:
+    for _ in range(14):
+        sketch.hear(b"noise" + HIT[:-1] + b"?")
+        sketch.wait(1)
+    assert isinstance(sketch.wait(1)[-1], Lost)
+
+
+def test_a_device_with_large_buffers_may_be_silent_for_as_long_as_a_frame_takes() -> None:
+    host = Host(0.0, byte_time=10 / 57600)
+    host.receive(TOPICS + encode(0, SCAN.encode()), 0.0, WALL)
+    lost = next(now for now in range(1000) if any(isinstance(event, Lost) for event in host.tick(now / 10, WALL)))
+    assert lost / 10 == pytest.approx(15 + 16_384 / 5760, abs=0.1)
 
 
 def test_a_host_that_was_away_does_not_take_that_for_silence_of_the_device(joined: Conversation) -> None:
@@ -152,7 +205,7 @@ def test_a_host_that_was_away_does_not_take_that_for_silence_of_the_device(joine
     assert isinstance(joined.wait(3)[-1], Lost)
 
 
-def test_messages_alone_do_not_keep_the_connection(joined: Conversation) -> None:
+def test_messages_alone_do_not_keep_the_connection_with_our_firmware(joined: Conversation) -> None:
     for _ in range(4):
         joined.hear(HIT)
         joined.wait(1)
@@ -183,9 +236,6 @@ def test_a_log_line_of_the_sketch_is_told(joined: Conversation) -> None:
 
 def test_a_request_for_a_parameter_is_told(joined: Conversation) -> None:
     assert joined.hear(encode(6, b"\x04\0\0\0gain")) == [ParameterRequest("gain")]
-
-
-SCAN = TopicInfo(130, "scan", "sensor_msgs/LaserScan", "90c7ef2dc6895d81024acba2ac42f369", 16_384)
 
 
 def test_frames_may_be_as_long_as_the_buffers_of_which_the_device_has_told(joined: Conversation) -> None:
@@ -237,9 +287,9 @@ def test_a_service_that_the_device_calls_is_told_likewise(joined: Conversation) 
 
 def test_a_device_that_tells_too_many_topics_is_refused_at_once(joined: Conversation) -> None:
     many = [encode(0, TopicInfo(200 + i, f"t{i}", "std_msgs/Empty", "", 280).encode()) for i in range(10_000)]
-    told = joined.hear(b"".join(many[: MAX_TOPICS - 2]))
-    assert len(told) == MAX_TOPICS - 2
-    lost = joined.hear(many[MAX_TOPICS - 2])
+    told = joined.hear(b"".join(many[: MAX_TOPICS - 3]))
+    assert len(told) == MAX_TOPICS - 3
+    lost = joined.hear(many[MAX_TOPICS - 3])
     assert lost == [Lost(f"the device tells more than {MAX_TOPICS} topics")]
 
 
