@@ -48,11 +48,11 @@ def health(board: BoardHealth | None, pi: PiReadings) -> Health:
 class HealthThread(threading.Thread):
     """Publishes until `stop`; start it in a node of ROS."""
 
-    def __init__(self, board: Board, device: str, state: Callable[[], LineState]) -> None:
+    def __init__(self, board: Board, device: str, state: Callable[[], LineState], pi: PiReadings) -> None:
         super().__init__(name="health", daemon=True)
         self._board = board
         self._state = state
-        self._pi = PiReadings()
+        self._pi = pi
         self._publisher = rospy.Publisher("~health", Health, queue_size=1)
         self._diagnostics = Diagnostics(device)
         self._end = threading.Event()

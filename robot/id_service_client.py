@@ -7,11 +7,13 @@ that the server never offers players a robot that cannot move. Then the pings an
 the serial node ends; when the server has forgotten the robot, or one of them has another address, both start again.
 Whatever fails is said in one line and tried again, for ever: at once, and more rarely only while it fails again and
 again. A serial node that ends is started again while the pings go on: the robot keeps its player.
+With LASERBOT_SERIAL=tcp-listen://address:port, boards connect to that port by themselves, and each is such a robot.
 The status LED is lit from the start until the robot has an ID, blinks slowly while it works, and fast while it lacks
 its Arduino, its ID or the server. SIGINT and SIGTERM end everything.
 """
 
 import argparse
+import asyncio
 import contextlib
 import logging
 import secrets
@@ -29,11 +31,13 @@ with missing_explained():
     from laser_bot_battle.backoff import STEADY, Backoff
     from laser_bot_battle.place import Place
     from laser_bot_battle.settings import describe
+    from robot.board_server import BoardServer
     from robot.keeper import Heart, keep_going
     from robot.master_location import Lookout, MasterLocation, MovedError, ReaddressedError
     from robot.ping_thread import PingThread
     from robot.registration import RegistrationError, register
     from robot.rosserial.host import ANSWER_TIMEOUT
+    from robot.serial.connection import is_inherited, listening_address
     from robot.serial.find_arduino import ArduinoLostError, find_arduino
     from robot.serial.port import NoAnswerError, PortError, probe
     from robot.serial_process import NO_ANSWER, SerialNode
@@ -80,6 +84,8 @@ def main() -> int:
     parser.parse_args([word for word in sys.argv[1:] if ":=" not in word])
     settings = Settings.load(PROGRAM)
     heart = keep_going()
+    if address := listening_address(settings.devices):
+        return asyncio.run(BoardServer(PROGRAM, heart).run(*address))
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell starts background programs with it ignored
     signal.signal(signal.SIGTERM, interrupt_once)
     try:
@@ -118,13 +124,17 @@ class Robot:
         self._backoff = Backoff(settings.retry)
         self._answer_within = ANSWER_TIMEOUT
 
-    def run(self) -> NoReturn:
+    def run(self) -> None:
+        """For ever or, of a board that has connected by itself, until that does not answer."""
         while True:
             _log.info("Starting service client ...")
             try:
                 self._live()
             except (ArduinoLostError, NoArenaError, PortError, RegistrationError) as error:
                 self._led.state = State.FAILING
+                if isinstance(error, ArduinoLostError | PortError) and is_inherited(self._settings.devices[0]):
+                    _log.error("%s: the connection ends", error)
+                    return
                 pause = self._backoff.failed()
                 _log.error("%s (again in %g s)", error, pause)
             self._location.rest(pause)

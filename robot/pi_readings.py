@@ -14,6 +14,11 @@ class PiReadings:
         self._sys = sys
         self._busy, self._all = self._ticks()
 
+    @classmethod
+    def none(cls) -> "PiReadings":
+        """Of a robot without a Raspberry Pi: this machine is not on it."""
+        return cls(Path("/dev/null"), Path("/dev/null"))
+
     def cpu(self) -> float:
         """Load since the last question, 0 to 1 of all cores."""
         busy, total = self._ticks()

@@ -35,6 +35,7 @@ with missing_explained():
     from robot.camera.address import tell_camera
     from robot.health import HealthThread
     from robot.master_location import locate_once
+    from robot.pi_readings import PiReadings
     from robot.rosserial.host import ANSWER_TIMEOUT
     from robot.serial.find_arduino import ArduinoLostError, find_arduino
     from robot.serial.line import SerialLine
@@ -137,7 +138,8 @@ def serve(port: SerialPort, waker: Waker, master: Master, log_level: str, argume
     configure_logging(log_level, **({"robot": int(number)} if number.isascii() and number.isdigit() else {}))
     rospy.on_shutdown(lambda: waker.end("another node has taken this node's name"))
     line = SerialLine(port, waker, master, arguments.answer_within)
-    health = HealthThread(line.board, port.device, line.state)
+    pi = PiReadings.none() if port.is_connection else PiReadings()
+    health = HealthThread(line.board, port.device, line.state, pi)
     health.start()
     _log.info("%s serves %s", rospy.get_name(), port.device)
     code = 1

@@ -16,6 +16,7 @@ from laser_bot_battle.names import (
 )
 from laser_bot_battle.place import Place
 from robot.rosserial.host import ANSWER_EXPECTED
+from robot.serial.connection import file_number, is_inherited
 
 STOP_TIMEOUT = 1.0  # s
 NO_ANSWER = 3  # exit code: the device has not answered at all
@@ -45,7 +46,10 @@ class SerialNode:
     def _start(self, *further: str) -> None:
         self._started = time.monotonic()
         words = [*self._words, *further]
-        self._process = subprocess.Popen(words, env=self._environment, stdin=subprocess.PIPE, process_group=0)
+        files = [file_number(self.device)] if is_inherited(self.device) else []
+        self._process = subprocess.Popen(
+            words, env=self._environment, stdin=subprocess.PIPE, process_group=0, pass_fds=files
+        )
 
     def start_again(self) -> None:
         """It has ended. The device is no longer starting: if it takes long to answer now, something is wrong."""

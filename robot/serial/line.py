@@ -28,6 +28,7 @@ from robot.rosserial.host import SILENCE, Host
 from robot.rosserial.ids import STOP_SENDING
 from robot.rosserial.log_budget import LogBudget
 from robot.rosserial.topic_info import TopicInfo
+from robot.serial.connection import LOOK_AGAIN
 from robot.serial.dead_man import DeadMan
 from robot.serial.device_log import DeviceLogger
 from robot.serial.device_topics import deserialised, serialised
@@ -118,7 +119,8 @@ class SerialLine:
             now = time.monotonic()
             for topic_id, dead_man in self._dead_men.items():
                 if dead_man.expired(now):
-                    self._queue.break_off(now)
+                    if not self._port.is_connection:  # which is fast, and does not keep the pause
+                        self._queue.break_off(now)
                     self._queue.command(topic_id, encode(topic_id, dead_man.neutral))
             self._transmit(now)
             self._wakes_at = min(now + TICK, self._next_due())
@@ -166,7 +168,9 @@ class SerialLine:
             self._waker.wake()
 
     def _transmit(self, now: float) -> None:
-        if out := self._queue.take(now):
+        if not self._port.is_clear():
+            self._queue.hold(now + LOOK_AGAIN)
+        elif out := self._queue.take(now):
             self._port.write(out)
 
     def _next_due(self) -> float:
@@ -175,7 +179,10 @@ class SerialLine:
 
     def _stop_device(self) -> None:
         """Its last words: commands are not written any more."""
-        time.sleep(self._queue.break_off(time.monotonic()))
+        if self._port.is_connection:
+            self._port.write(self._queue.rest())
+        else:
+            time.sleep(self._queue.break_off(time.monotonic()))
         for topic_id, dead_man in self._dead_men.items():
             self._port.write(encode(topic_id, dead_man.neutral))
         self._port.write(STOP_SENDING)

@@ -1,4 +1,5 @@
-"""The serial port of the Arduino: a device path, or a pyserial URL such as socket://host:port."""
+"""The serial port of the Arduino: a device path, a pyserial URL such as socket://host:port, or the connection of a
+board."""
 
 import contextlib
 import logging
@@ -12,6 +13,8 @@ import serial
 
 from robot.rosserial.events import Lost, Notice, Send
 from robot.rosserial.host import Host
+from robot.serial import connection
+from robot.serial.connection import Connection
 
 BAUDRATE = 57600
 WRITE_TIMEOUT = 1.0  # s
@@ -34,12 +37,18 @@ class SerialPort:
         """Opens the port for us alone; PortError says why not."""
         self.device = device
         self.baudrate = baudrate
+        self.is_connection = connection.is_inherited(device)  # of a board elsewhere
         try:
-            self._port = serial.serial_for_url(
-                device, baudrate=baudrate, timeout=0, write_timeout=WRITE_TIMEOUT, exclusive=True
-            )
+            if self.is_connection:
+                self.device = device.partition("#")[0]
+                self.baudrate = connection.BAUDRATE
+                self._port = Connection(device)
+            else:
+                self._port = serial.serial_for_url(
+                    device, baudrate=baudrate, timeout=0, write_timeout=WRITE_TIMEOUT, exclusive=True
+                )
         except (OSError, ValueError, TypeError) as error:  # pyserial lets all of them out for a bad URL
-            raise PortError(f"cannot open {device}: {error}") from None
+            raise PortError(f"cannot open {self.device}: {error}") from None
         self._is_terminal = hasattr(self._port, "fd")
         if not self._is_terminal:
             _send_at_once(self._port.fileno())
@@ -75,6 +84,10 @@ class SerialPort:
                 self._port.write(data)
         except (OSError, termios.error) as error:
             raise PortError(f"cannot write to {self.device}: {error}") from None
+
+    def is_clear(self) -> bool:
+        """Whether what was written is on its way: of what waits, the newest counts. A serial line is, at its speed."""
+        return not self.is_connection or self._port.is_clear()
 
     def reset_on_open(self, reset: bool) -> None:
         """Whether closing the port now lets the next opening reset an Arduino.

@@ -55,6 +55,15 @@ class TransmitQueue:
         self._line_free = max(now, self._line_free) + BROKEN_OFF
         return self._line_free - now
 
+    def rest(self) -> bytes:
+        """What is left of the frame that is being written, to be written at once."""
+        rest, self._begun = self._begun, b""
+        return rest
+
+    def hold(self, until: float) -> None:
+        """The line takes nothing before."""
+        self._line_free = max(self._line_free, until)
+
     def take(self, now: float) -> bytes:
         """What is to be written now, empty if nothing or if the line is still busy: a frame, a long one in pieces."""
         if now < self._line_free or not self._waits():

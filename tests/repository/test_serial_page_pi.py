@@ -3,11 +3,14 @@
 import pytest
 
 from laser_bot_battle.msg import BoardHealth, Hit, Robot_msg, Setup
+from laser_bot_battle.names import ROSSERIAL_PORT
+from robot.board_server import MAX_BOARDS, MAX_OF_ONE_MACHINE, SUCCESSION
 from robot.rosserial import ids
 from robot.rosserial.announcements import KINDS, MAX_TOPICS
 from robot.rosserial.events import DevicePublishes, DeviceSubscribes, Event, Message, Send
 from robot.rosserial.frame import Decoder, Frame, encode
 from robot.rosserial.host import Host
+from robot.serial.connection import MAX_RATE, MAX_UNDER_WAY
 from robot.serial.device_topics import serialised
 from robot.serial.port import BAUDRATE
 from robot.serial.transmit_queue import MAX_ANSWERS
@@ -94,6 +97,16 @@ def test_the_limit_of_topics_is_told() -> None:
 
 def test_the_room_of_the_line_is_told() -> None:
     assert f"of the other frames {MAX_ANSWERS} bytes" in PAGE
+
+
+def test_the_limits_by_tcp_are_told() -> None:
+    assert f"more than\n  {MAX_UNDER_WAY} bytes are under way" in PAGE
+    assert f"at most {MAX_RATE:,} bytes/s are read" in PAGE
+    assert f"waits up to {SUCCESSION:g} s" in PAGE
+    assert f"connect to port {ROSSERIAL_PORT}" in PAGE
+    build = page("build-a-robot.md")
+    assert f"{MAX_BOARDS} boards at once, {MAX_OF_ONE_MACHINE} of them at one address" in build
+    assert f"tcp-listen://:{ROSSERIAL_PORT}" in build
 
 
 @pytest.mark.parametrize("row", table(PAGE, "Times"), ids=lambda row: row["where"])

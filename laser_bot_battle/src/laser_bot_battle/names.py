@@ -13,6 +13,7 @@ MASTER_HOST_ALIAS = "laser-bot-master.local"  # DNS proper knows no underscores
 WEB_PORT = 5000
 ROSBRIDGE_PORT = 9090
 ROS_PORT = 11311
+ROSSERIAL_PORT = 11411  # where boards with Wi-Fi connect, as with upstream's rosserial_server
 RELAY_PORT = 9091  # of the cameras' relay
 CAMERA_STREAM_PORT = 8090  # on a robot
 # programs that tell how they are, each on a port of its own, in this order (docs/monitoring.md)

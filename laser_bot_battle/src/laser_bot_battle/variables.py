@@ -17,6 +17,7 @@ from laser_bot_battle.names import (
     ROBOT_IDS,
     ROS_PORT,
     ROSBRIDGE_PORT,
+    ROSSERIAL_PORT,
     WATCHED,
     WEB_PORT,
     client_name,
@@ -67,7 +68,12 @@ def _teams(text: str) -> int:
 
 
 def _devices(text: str) -> tuple[str, ...]:
-    return tuple(text.split())
+    devices = tuple(text.split())
+    if "tcp-listen:" in text:
+        match = re.fullmatch(r"tcp-listen://([^:\[\]/\s]*|\[[0-9a-fA-F:.]+\]):([0-9]{1,5})", text)
+        if not match or not 0 < int(match[2]) < 2**16:
+            raise ValueError(f"must be tcp-listen://address:port alone, such as tcp-listen://:{ROSSERIAL_PORT}")
+    return devices
 
 
 def _origins(text: str) -> tuple[str, ...]:
@@ -270,7 +276,8 @@ MASTER = words(
 SERIAL: Variable[tuple[str, ...]] = Variable(
     "LASERBOT_SERIAL",
     ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0"),
-    "the Arduino: paths to try in this order, or a pyserial URL such as `socket://host:port`",
+    "the Arduino: paths to try in this order, or a pyserial URL such as `socket://host:port`; or "
+    f"`tcp-listen://:{ROSSERIAL_PORT}`, for [boards with Wi-Fi](build-a-robot.md#a-robot-without-a-raspberry-pi)",
     _devices,
     "`/dev/laserbot /dev/ttyACM0 /dev/ttyUSB0`",
 )
