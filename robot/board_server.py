@@ -15,18 +15,14 @@ from laser_bot_battle import alive, variables
 from laser_bot_battle.child import until_signalled
 from laser_bot_battle.token_bucket import TokenBuckets
 from robot.keeper import Heart
-from robot.serial.connection import inherited
+from robot.serial.connection import inherited, listen
 
 MAX_BOARDS = 32  # at once; each is three processes
 MAX_OF_ONE_MACHINE = 8  # a router may hide several
 BURST, PERIOD = 3, 5.0  # starts of a machine's robots at once, and s for each further one
 SUCCESSION = 3.0  # s that a board's last connection has to end: a board that was reset has not closed it
-BACKLOG = 32
 STOP_TIMEOUT = 3.0  # s
 REFUSALS_TOLD = 10.0  # s between two
-
-# a connection whose board is gone is noticed by one of these, or by the silence
-_KEEP_ALIVE = {socket.TCP_KEEPIDLE: 1, socket.TCP_KEEPINTVL: 1, socket.TCP_KEEPCNT: 15}  # s, s, times
 
 _log = logging.getLogger(__name__)
 
@@ -47,7 +43,7 @@ class BoardServer:
         """Returns the exit code."""
         end = until_signalled()
         try:
-            listener = _listen(host, port)
+            listener = listen(host, port)
         except OSError as error:
             _log.error("cannot listen for boards on port %d: %s", port, error.strerror)
             return 1
@@ -143,17 +139,6 @@ class BoardServer:
         return await asyncio.create_subprocess_exec(
             sys.executable, "-m", self._program, env={**os.environ, **own}, pass_fds=[file], process_group=0
         )
-
-
-def _listen(host: str, port: int) -> socket.socket:
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.create_server((host, port), family=family, backlog=BACKLOG)
-    listener.setblocking(False)
-    # those that are accepted inherit it
-    listener.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
-    for option, value in _KEEP_ALIVE.items():
-        listener.setsockopt(socket.IPPROTO_TCP, option, value)
-    return listener
 
 
 async def _stop(child: asyncio.subprocess.Process) -> None:

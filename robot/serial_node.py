@@ -3,16 +3,21 @@
     python3 -m robot.serial_node /dev/ttyACM0 __name:=Robot0 command:=Robot0/command response:=Robot0/response
     python3 -m robot.serial_node _port:=/dev/ttyUSB0 _baud:=115200
 
+    python3 -m robot.serial_node tcp
+
 The second line is how rosserial_python's node is started; as there, `~port` and `~baud` may also be parameters of the
-ROS master. Without any port, the Arduino is looked for as LASERBOT_SERIAL says.
+ROS master. Without any port, the Arduino is looked for as LASERBOT_SERIAL says. With `tcp`, a board connects to the
+port `~tcp_port` (11411) instead; when it has gone, the node starts anew and waits for the next one.
 
 Ends with exit code 0 on SIGINT or SIGTERM, and with 1 and the reason in the log when the device, the node's name or the
 ROS master is lost: whoever started it starts it again.
 """
 
 import argparse
+import contextlib
 import logging
 import os
+import select
 import signal
 import sys
 import threading
@@ -29,6 +34,7 @@ with missing_explained():
     from laser_bot_battle.announcement import NoArenaError
     from laser_bot_battle.log import configure_logging
     from laser_bot_battle.master import Master, MasterWatch
+    from laser_bot_battle.names import ROSSERIAL_PORT
     from laser_bot_battle.ros_environment import ros_environment
     from laser_bot_battle.rospy_cures import cure_rospy, cure_services
     from laser_bot_battle.settings import describe
@@ -37,6 +43,7 @@ with missing_explained():
     from robot.master_location import locate_once
     from robot.pi_readings import PiReadings
     from robot.rosserial.host import ANSWER_TIMEOUT
+    from robot.serial.connection import inherited, listen, listening_address
     from robot.serial.find_arduino import ArduinoLostError, find_arduino
     from robot.serial.line import SerialLine
     from robot.serial.port import BAUDRATE, NoAnswerError, PortError, SerialPort
@@ -49,6 +56,7 @@ _log = logging.getLogger(__name__)
 
 PROGRAM = "robot.serial_node"
 NODE = "serial_node"  # without __name:=
+TCP = "tcp"  # as rosserial_python calls it
 STOPPED = "stopped"
 LOST = "Connection to Arduino lost: %s"
 END_WITHIN = 0.8  # s; whoever started it waits for 1 s
@@ -73,8 +81,9 @@ def main() -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
-        "device", nargs="?", help="path of the serial device, or a pyserial URL such as socket://host:port"
+        "device", nargs="?", help="path of the serial device, a pyserial URL such as socket://host:port, or tcp"
     )
+    parser.add_argument("tcp_port", nargs="?", type=int, help="where boards connect, if the device is tcp")
     parser.add_argument(
         "--end-with-stdin",
         action="store_true",
@@ -109,6 +118,8 @@ def main() -> int:
         watch.start()  # rospy would wait for an absent master for ever, and could not be stopped
         parameters = PrivateParameters(sys.argv, master)
         device, baudrate = arguments.device or parameters.text("port"), parameters.whole("baud", BAUDRATE)
+        if device == TCP:
+            device = f"tcp-listen://:{arguments.tcp_port or parameters.whole('tcp_port', ROSSERIAL_PORT)}"
     except OSError as error:
         _log.error("ROS master %s does not answer: %s", uri, error)
         return 1
@@ -117,16 +128,34 @@ def main() -> int:
         return 1
     try:
         tell_camera(settings, master)
-        with SerialPort(device or find_arduino(settings.devices), baudrate) as port:
+        device = device or find_arduino(settings.devices)
+        if (address := listening_address([device])) and not (device := next_board(*address, waker)):
+            return 0 if waker.ended == STOPPED else 1
+        with SerialPort(device, baudrate) as port:
             return serve(port, waker, master, settings.log_level, arguments)
-    except ArduinoLostError as error:
-        _log.error("%s", error)
-        return 1
-    except PortError as error:
-        _log.error(LOST, error)
+    except (ArduinoLostError, PortError) as error:
+        _log.error(LOST if isinstance(error, PortError) else "%s", error)
         return 1
     finally:
         watch.stop()
+
+
+def next_board(host: str, port: int, waker: Waker) -> str:
+    """The connection of the next board that comes, empty if the node is to end before; PortError if none can come."""
+    try:
+        with listen(host, port) as listener:
+            _log.info("waiting for a board on port %d", port)
+            while True:
+                select.select([listener.fileno(), waker.fileno()], [], [])
+                if waker.ended is not None:
+                    return ""
+                with contextlib.suppress(BlockingIOError, ConnectionError):  # it has left
+                    peer, _ = listener.accept()
+                    device = inherited(peer)
+                    peer.detach()
+                    return device
+    except OSError as error:
+        raise PortError(f"cannot listen for boards on port {port}: {error.strerror}") from None
 
 
 def serve(port: SerialPort, waker: Waker, master: Master, log_level: str, arguments: argparse.Namespace) -> int:
@@ -142,7 +171,7 @@ def serve(port: SerialPort, waker: Waker, master: Master, log_level: str, argume
     health = HealthThread(line.board, port.device, line.state, pi)
     health.start()
     _log.info("%s serves %s", rospy.get_name(), port.device)
-    code = 1
+    code, again = 1, False
     try:
         reason = line.run()
         _log.info("%s ends: %s", rospy.get_name(), reason)
@@ -150,6 +179,7 @@ def serve(port: SerialPort, waker: Waker, master: Master, log_level: str, argume
     except PortError as error:
         _log.error(LOST, error)
         code = NO_ANSWER if arguments.end_with_stdin and isinstance(error, NoAnswerError) else 1
+        again = port.is_connection and not arguments.end_with_stdin
     finally:
         health.stop()
         # rospy tells the ROS master, for whose answer it would wait for ever
@@ -157,6 +187,8 @@ def serve(port: SerialPort, waker: Waker, master: Master, log_level: str, argume
         in_time.daemon = True
         in_time.start()
         rospy.signal_shutdown("serial node ends")
+    if again:  # rospy can be a node only once in a process
+        os.execv(sys.executable, sys.orig_argv)
     return code
 
 

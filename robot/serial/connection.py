@@ -16,12 +16,13 @@ from collections.abc import Sequence
 
 BAUDRATE = 2_000_000  # at which a board is written to
 MAX_RATE = 250_000  # bytes/s that are read from one; what comes faster waits on the board
-MAX_UNDER_WAY = (
-    256  # bytes that the board has not confirmed yet: what has been sent cannot be replaced by what is newer
-)
+MAX_UNDER_WAY = 256  # bytes that the board has not confirmed; what was sent cannot be replaced by what is newer
+BACKLOG = 32
 LOOK_AGAIN = 0.01  # s
 WRITE_TIMEOUT = 1.0  # s
 
+# a connection whose board is gone is noticed by one of these, or by the silence
+_KEEP_ALIVE = {socket.TCP_KEEPIDLE: 1, socket.TCP_KEEPINTVL: 1, socket.TCP_KEEPCNT: 15}  # s, s, times
 _SCHEME = "tcp://"
 _LISTEN = "tcp-listen://"
 
@@ -32,6 +33,18 @@ def listening_address(devices: Sequence[str]) -> tuple[str, int] | None:
         return None
     host, _, port = devices[0].removeprefix(_LISTEN).rpartition(":")
     return host.strip("[]"), int(port)
+
+
+def listen(host: str, port: int) -> socket.socket:
+    """Does not block, and nor do those that it accepts; OSError."""
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    listener = socket.create_server((host, port), family=family, backlog=BACKLOG)
+    listener.setblocking(False)
+    # those that are accepted inherit it
+    listener.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+    for option, value in _KEEP_ALIVE.items():
+        listener.setsockopt(socket.IPPROTO_TCP, option, value)
+    return listener
 
 
 def inherited(peer: socket.socket) -> str:

@@ -9,7 +9,7 @@ class Waker:
 
     def __init__(self) -> None:
         self._end: str | None = None
-        self._news = os.eventfd(0, os.EFD_NONBLOCK)
+        self._news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
     def fileno(self) -> int:
         """Readable once somebody has called, until `clear`."""

@@ -131,6 +131,25 @@ def test_commands_do_not_pile_up_on_their_way_to_a_board_that_is_busy(
         assert len(board.commands()) < 500
 
 
+def test_the_serial_node_alone_serves_one_board_after_the_other_as_rosserial_python_does_with_tcp(
+    start: Start, port: int
+) -> None:
+    node = start("robot.serial_node", "tcp", "_tcp_port:=" + str(port), "__name:=Robot61", "command:=/Robot61/command")
+    start("tests.integration.robot.peers", "publish", "/Robot61/command", "0.1", "100000", "1", "0", "0")
+
+    def serves_a_board(before: int) -> None:
+        until(lambda: node.output.count(f"waiting for a board on port {port}") == before + 1)
+        with TcpBoard(port) as board:
+            until(lambda: b"\1\0\0" in board.commands(), 30)
+
+    serves_a_board(0)
+    serves_a_board(1)
+    node.wait_for("the board has closed its connection")
+    until(lambda: node.output.count(f"waiting for a board on port {port}") == 3)
+    assert node.stop(signal.SIGTERM) == 0
+    assert "Traceback" not in node.output
+
+
 @pytest.mark.slow
 def test_who_does_not_speak_rosserial_is_sent_away(ids: IdService, server: Program, port: int) -> None:
     with TcpBoard(port, answers=False) as silent:
