@@ -24,6 +24,7 @@ SERVICES = {
         "laserbot-rosbridge",
         "laserbot-web",
         "laserbot-camera-relay",
+        "laserbot-rosout",
         "laserbot-front",
         "laserbot-announcer",
     ],

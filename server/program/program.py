@@ -52,19 +52,20 @@ class ProgramSettings:
     """What every program of the master needs to live."""
 
     bind: str
-    port: int
+    port: int  # 0: it listens on none
     port_variable: str  # by which the port can be changed
     master_uri: str
     metrics: tuple[str, int] | None  # where the first program is watched
     log_level: str
 
     @classmethod
-    def from_env(cls, environ: Mapping[str, str], port: Variable[int]) -> Self:
-        """Read `environ`; `port` is the variable of the program's port. SettingsError for an impossible value."""
+    def from_env(cls, environ: Mapping[str, str], port: Variable[int] | None = None) -> Self:
+        """Read `environ`; `port` is the variable of the program's port, if it has one. SettingsError for an impossible
+        value."""
         return cls(
             bind=variables.BIND.read(environ),
-            port=port.read(environ),
-            port_variable=port.name,
+            port=port.read(environ) if port else 0,
+            port_variable=port.name if port else "",
             master_uri=variables.ROS_MASTER_URI.read(environ),
             metrics=variables.METRICS.read(environ),
             log_level=variables.LOG_LEVEL.read(environ),
@@ -88,36 +89,11 @@ class Program:
 
         The work gets sockets that have the port but do not listen yet: until all is ready, connections are refused.
         """
-        # Python calls a handler in this thread only, and not at all if the signal comes just before the thread begins
-        # to wait; but it writes the signal's number into a socket at once.
-        signals, written = socket.socketpair()
-        written.setblocking(False)
-        signal.set_wakeup_fd(written.fileno())
-        for number in _SIGNALS:
-            signal.signal(number, lambda *_: None)
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
-        obeying = threading.Thread(target=self._obey, args=[signals, written], name="signals", daemon=True)
-        obeying.start()
-        bind, port = self.settings.bind, self.settings.port
-        try:
-            listener = listening.bind(bind, port)
-        except OSError as error:
-            _log.error(
-                "cannot listen on %s port %d: %s; stop the program that uses it, or set LASERBOT_BIND or %s",
-                bind,
-                port,
-                error.strerror or error,
-                self.settings.port_variable,
-            )
-            return 1
-        threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
-        with listener:
-            self._live(serve, listener)
-        # a signal from here on is for the next program in this process, whose mask is this one
-        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
-        written.send(_NO_MORE)
-        obeying.join()
-        return self._leave()
+        return self._obeying(lambda: self._live_with_port(serve))
+
+    def run_without_port(self, work: Callable[[], AbstractContextManager[None]]) -> int:
+        """The same for a program that nobody but ROS connects to."""
+        return self._obeying(lambda: self._live(work))
 
     def fail(self, reason: str) -> None:
         """End the program with 1, so that its supervisor, if it has one, starts it again. From any thread."""
@@ -148,7 +124,44 @@ class Program:
         thread.start()
         return thread
 
-    def _live(self, serve: Callable[[Listener], AbstractContextManager[None]], listener: Listener) -> None:
+    def _obeying(self, live: Callable[[], None]) -> int:
+        """Live, and end when a signal says so; returns the exit code."""
+        # Python calls a handler in this thread only, and not at all if the signal comes just before the thread begins
+        # to wait; but it writes the signal's number into a socket at once.
+        signals, written = socket.socketpair()
+        written.setblocking(False)
+        signal.set_wakeup_fd(written.fileno())
+        for number in _SIGNALS:
+            signal.signal(number, lambda *_: None)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _SIGNALS)
+        obeying = threading.Thread(target=self._obey, args=[signals, written], name="signals", daemon=True)
+        obeying.start()
+        threading.Thread(target=self._end_in_time, name="end in time", daemon=True).start()
+        live()
+        # a signal from here on is for the next program in this process, whose mask is this one
+        signal.pthread_sigmask(signal.SIG_BLOCK, _SIGNALS)
+        written.send(_NO_MORE)
+        obeying.join()
+        return self._leave()
+
+    def _live_with_port(self, serve: Callable[[Listener], AbstractContextManager[None]]) -> None:
+        bind, port = self.settings.bind, self.settings.port
+        try:
+            listener = listening.bind(bind, port)
+        except OSError as error:
+            _log.error(
+                "cannot listen on %s port %d: %s; stop the program that uses it, or set LASERBOT_BIND or %s",
+                bind,
+                port,
+                error.strerror or error,
+                self.settings.port_variable,
+            )
+            self._exit_code = 1
+            return
+        with listener:
+            self._live(lambda: serve(listener))
+
+    def _live(self, work: Callable[[], AbstractContextManager[None]]) -> None:
         master = Master(self.settings.master_uri, self.name)
         if not master.wait(self.ending):
             return
@@ -156,7 +169,7 @@ class Program:
         try:
             watch.start()
             settle(self.settings.bind, self.settings.master_uri, self.ending, self.begin_anew)
-            with serve(listener):
+            with work():
                 self.ending.wait()
         except OSError as error:
             self.fail(str(error))

@@ -19,6 +19,7 @@ OTHER_PROGRAMS = {
         "python3 -m server.ros.master --help",
         "python3 -m server.rosbridge --help",
         "python3 -m server.camera --help",
+        "python3 -m server.ros.rosout --help",
         "python3 -m server.announcer --help",
     ],
     "rosberry": [

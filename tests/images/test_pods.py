@@ -22,7 +22,7 @@ from tests.support.programs import ROOT, Program
 
 pytestmark = pytest.mark.slow
 # what a crash of ROS ends
-MASTER = {f"master/{container}" for container in ("ros-master", "rosbridge", "web", "camera-relay")}
+MASTER = {f"master/{container}" for container in ("ros-master", "rosbridge", "web", "camera-relay", "rosout")}
 
 
 @pytest.fixture(scope="module")

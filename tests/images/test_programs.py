@@ -37,7 +37,8 @@ class Programs:
         bridge = self.start("webserver", platform, "rosbridge", "python3", "-m", "server.rosbridge")
         relay = self.start("webserver", platform, "relay", "python3", "-m", "server.camera")
         announcer = self.start("webserver", platform, "announcer", "python3", "-m", "server.announcer")
-        return [master, web, bridge, relay, announcer]
+        rosout = self.start("webserver", platform, "rosout", "python3", "-m", "server.ros.rosout")
+        return [master, web, bridge, relay, announcer, rosout]
 
 
 @pytest.fixture

@@ -184,6 +184,7 @@ def test_each_service_of_the_master_has_all_three_probes(name: str) -> None:
             "rosbridge",
             "web",
             "camera-relay",
+            "rosout",
         } | announcer
         for container in containers:
             assert {"startupProbe", "readinessProbe", "livenessProbe"} <= set(container)

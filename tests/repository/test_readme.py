@@ -48,6 +48,7 @@ def test_compose_takes_every_variable_of_the_table_but_those_that_are_marked() -
         ("rosbridge", "server.rosbridge"),
         ("web", "server.main"),
         ("camera-relay", "server.camera"),
+        ("rosout", "server.ros.rosout"),
         ("front", "server.front"),
         ("announcer", "server.announcer"),
         ("robot", "robot.id_service_client"),
@@ -67,7 +68,7 @@ def test_the_demo_of_compose_plays_with_coded_light_and_a_fleet_as_its_owner_say
 def test_compose_passes_ros_variables_to_robots_and_the_address_to_their_master() -> None:
     """As they are outside: where there are none, the programs find them out."""
     assert SERVICES["robot"]["environment"]["ROS_MASTER_URI"] is None
-    for service in ("ros-master", "rosbridge", "web", "camera-relay", "robot"):
+    for service in ("ros-master", "rosbridge", "web", "camera-relay", "rosout", "robot"):
         assert [SERVICES[service]["environment"][name] for name in ("ROS_IP", "ROS_HOSTNAME")] == [None, None]
 
 

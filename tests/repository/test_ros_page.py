@@ -74,8 +74,11 @@ class Registrations:
 
     def registered(self, kind: int) -> set[tuple[str, str]]:
         """(topic or service, node): publishers for `kind` 0, subscribers for 1, services for 2."""
-        entries = self._master.call("getSystemState")[kind]
-        return {(name, node) for name, nodes in entries if not USUAL.fullmatch(name) for node in nodes}
+        return {(name, node) for name, node in self.all(kind) if not USUAL.fullmatch(name)}
+
+    def all(self, kind: int) -> set[tuple[str, str]]:
+        """The same, with what every ROS network has."""
+        return {(name, node) for name, nodes in self._master.call("getSystemState")[kind] for node in nodes}
 
     def topic_types(self) -> dict[str, str]:
         types = self._master.call("getTopicTypes")
@@ -108,6 +111,11 @@ def test_the_services_are_those_of_a_battle(master: Registrations) -> None:
     registered = {(re.sub("^/rosapi/.+", "/rosapi/*", service), node) for service, node in master.registered(2)}
     assert registered == {(row["service"], row["of"]) for row in rows}
     assert {row["type"] for row in rows} == {AddNewRobot._type, "rosapi/*"}
+
+
+def test_log_lines_go_where_ros_tools_look_for_them(master: Registrations) -> None:
+    until(lambda: ("/rosout", "/rosout") in master.all(1), 10, "somebody reads everybody's log lines")
+    assert ("/rosout_agg", "/rosout") in master.all(0)
 
 
 def test_the_nodes_are_those_of_the_tables() -> None:

@@ -11,6 +11,7 @@ from robot.settings import Settings as RobotSettings
 from server.announcer.settings import Settings as AnnouncerSettings
 from server.camera.settings import Settings as RelaySettings
 from server.front.settings import FrontSettings
+from server.program.program import ProgramSettings as MasterProgramSettings
 from server.rosbridge.settings import Settings as RosbridgeSettings
 from server.web.settings import Settings as WebSettings
 from sim.arena.settings import Settings as ArenaSettings
@@ -39,6 +40,7 @@ ROS = {"ROS_MASTER_URI", "ROS_IP"}  # rospy and rosmaster read these themselves
 Reader = Callable[[Mapping[str, str]], Any]
 READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.ros.master": (LOG_LEVEL.read, lambda _: {ROS_PORT}, ROS),
+    "server.ros.rosout": (MasterProgramSettings.from_env, lambda _: set(), ROS),
     "server.main": (WebSettings.from_env, lambda found: {found.program.port}, ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.program.port}, ROS),
     "server.camera": (RelaySettings.from_env, lambda found: {found.program.port}, ROS),
