@@ -1,4 +1,4 @@
-// Uses an open rosbridge with roslib, as a lab does: node roslib_lab.mjs roslib|roslib1 PORT. Prints {"name": value} per step.
+// Uses an open rosbridge with roslib, as a lab does: node roslib_lab.mjs LIBRARY PORT. Prints {"name": value} per step.
 const [library, port] = process.argv.slice(2);
 const imported = await import(library);
 const ROSLIB = imported.default ?? imported;
@@ -74,8 +74,10 @@ server.on("goal", async (goal) => {
 });
 tell("acts", JSON.parse((await call("/lab/act", "std_srvs/Trigger", {})).message));
 
-const transforms = new ROSLIB.TFClient({ ros, fixedFrame: "arena", rate: 10 });
-tell("tf", (await new Promise((done) => transforms.subscribe("robot", done))).translation.x);
+if (ROSLIB.TFClient) {
+  const transforms = new ROSLIB.TFClient({ ros, fixedFrame: "arena", rate: 10 });
+  tell("tf", (await new Promise((done) => transforms.subscribe("robot", done))).translation.x);
+}
 tell("tf topic", (await next(topic("/tf", "tf2_msgs/TFMessage"))).transforms[0].child_frame_id);
 ros.close();
 process.exit(0); // its action server would publish for ever

@@ -77,6 +77,15 @@ def test_roslib_does_all_that_it_can(port: str, library: str) -> None:
     assert without_failure(told) == {**TOLD, "png": NUMBERS, "cbor": NUMBERS}
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("library", ["@foxglove/roslibjs", "@lichtblick/roslibjs"])
+def test_forks_of_roslib_do_the_same(port: str, library: str) -> None:
+    """They have no client for tf."""
+    told = told_by(Program([str(NODE), str(HERE / "roslib_lab.mjs"), library, port]))
+    without_tf = {name: value for name, value in TOLD.items() if name != "tf"}
+    assert without_failure(told) == {**without_tf, "png": NUMBERS, "cbor": NUMBERS}
+
+
 @pytest.mark.parametrize("transport", ["twisted", "asyncio"])
 def test_roslibpy_does_all_that_it_can(port: str, transport: str) -> None:
     command = [sys.executable, "-m", "tests.integration.rosbridge.roslibpy_lab", port]
