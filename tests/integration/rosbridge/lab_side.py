@@ -119,7 +119,7 @@ def serve_tf() -> object:
         stamped = TransformStamped()
         stamped.header.stamp = rospy.Time.now()
         stamped.header.frame_id, stamped.child_frame_id = target, frame
-        stamped.transform.translation.x = 1.5
+        stamped.transform.translation.x = 0.0 if frame.strip("/") == target.strip("/") else 1.5
         stamped.transform.rotation.w = 1.0
         return stamped
 

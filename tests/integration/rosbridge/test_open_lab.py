@@ -1,14 +1,19 @@
 """rosbridge open to everybody, as in a lab, with other people's client libraries and message packages."""
 
+import os
+import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from laser_bot_battle.master import Master
 from tests.integration.rosbridge.client_programs import told_by
 from tests.integration.rosbridge.conftest import Rosbridge
+from tests.support.polling import until
 from tests.support.programs import ROOT, Program
 from tests.support.ros import RosMaster
 from tests.support.roslib_player import NODE
@@ -35,16 +40,15 @@ TOLD = {
 
 @pytest.fixture(scope="module")
 def message_path(ros_master: RosMaster, tmp_path_factory: pytest.TempPathFactory) -> str:
-    """PYTHONPATH with the message package tf2_web_republisher, which Debian has not."""
-    package = "tf2_web_republisher"
+    """PYTHONPATH with the message packages tf2_web_republisher and rospy_tutorials, which Debian has not."""
     folder = tmp_path_factory.mktemp("messages")
-    sources = HERE / package
     includes = [f"-I{name}:/usr/share/{name}/msg" for name in ("std_msgs", "geometry_msgs", "actionlib_msgs")]
-    for script, kind in (("genmsg_py.py", "msg"), ("gensrv_py.py", "srv")):
-        command = ["/usr/bin/python3", f"/usr/lib/genpy/{script}"]
+    for sources in (HERE / "tf2_web_republisher/msg", HERE / "tf2_web_republisher/srv", HERE / "rospy_tutorials/srv"):
+        package, kind = sources.parent.name, sources.name
+        command = ["/usr/bin/python3", f"/usr/lib/genpy/gen{kind}_py.py"]
         target = ["-p", package, "-o", str(folder / package / kind)]
-        files = sorted(map(str, (sources / kind).iterdir()))
-        subprocess.run([*command, *files, f"-I{package}:{sources / 'msg'}", *includes, *target], check=True)
+        files = sorted(map(str, sources.iterdir()))
+        subprocess.run([*command, *files, f"-I{package}:{sources.parent / 'msg'}", *includes, *target], check=True)
         subprocess.run([*command, "--initpy", *target], check=True)
     return f"{folder}:{ros_master.env['PYTHONPATH']}"
 
@@ -63,6 +67,16 @@ def lab(ros_master: RosMaster, message_path: str) -> Iterator[None]:
 def port(start_rosbridge: Callable[..., Rosbridge], message_path: str, lab: None) -> str:
     """Of the open rosbridge."""
     return str(start_rosbridge(LASERBOT_ROSBRIDGE_OPEN="1", PYTHONPATH=message_path).port)
+
+
+@pytest.fixture(scope="module")
+def rosout(ros_master: RosMaster) -> Iterator[None]:
+    """As every ROS has it."""
+    program = Program.python("server.ros.rosout", env=ros_master.env)
+    master = Master(ros_master.uri, "test")
+    until(lambda: ["/rosout", ["/rosout"]] in master.call("getSystemState")[1], 20, "rosout is registered")
+    yield
+    program.stop()
 
 
 def without_failure(told: dict[str, Any]) -> dict[str, Any]:
@@ -90,3 +104,26 @@ def test_forks_of_roslib_do_the_same(port: str, library: str) -> None:
 def test_roslibpy_does_all_that_it_can(port: str, transport: str) -> None:
     command = [sys.executable, "-m", "tests.integration.rosbridge.roslibpy_lab", port]
     assert without_failure(told_by(Program(command, {"ROSLIBPY_TRANSPORT": transport}))) == TOLD
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("transport", ["twisted", "asyncio"])
+def test_roslibpys_own_suite_passes(port: str, rosout: None, transport: str, tmp_path: Path) -> None:
+    """Its tests with a ROS 1, from its source distribution (requirements/suites.txt); they name upstream's port."""
+    (suite,) = (ROOT / "build" / "suites").glob("roslibpy-*/tests")
+    for path in [suite / "conftest.py", *(suite / "ros1").glob("*.py")]:
+        (tmp_path / path.name).write_text(path.read_text().replace("9090", port))
+    command = [sys.executable, "-m", "pytest", "-c", "/dev/null", "--rootdir", str(tmp_path), str(tmp_path), "-q"]
+    program = Program([*command, "-p", "no:cacheprovider"], {"ROSLIBPY_TRANSPORT": transport})
+    try:
+        assert program.process.wait(200) == 0, program.output
+    finally:
+        program.kill()
+    assert re.search(r"^2\d passed in", program.output, re.MULTILINE), "none was left out"
+
+
+@pytest.mark.slow
+def test_ros_tools_call_the_services_of_rosapi(port: str, ros_master: RosMaster) -> None:
+    command = ["rosservice", "call", "/rosapi/topic_type", "/lab/say"]
+    called = subprocess.run(command, env={**os.environ, **ros_master.env}, capture_output=True, text=True, check=False)
+    assert (called.stdout, called.returncode) == ('type: "std_msgs/String"\n', 0), called.stderr
