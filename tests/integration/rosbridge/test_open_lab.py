@@ -13,6 +13,7 @@ import pytest
 from laser_bot_battle.master import Master
 from tests.integration.rosbridge.client_programs import told_by
 from tests.integration.rosbridge.conftest import Rosbridge
+from tests.integration.rosbridge.other_clients import CLIENTS, Client, Speaker
 from tests.support.polling import until
 from tests.support.programs import ROOT, Program
 from tests.support.ros import RosMaster
@@ -127,3 +128,28 @@ def test_ros_tools_call_the_services_of_rosapi(port: str, ros_master: RosMaster)
     command = ["rosservice", "call", "/rosapi/topic_type", "/lab/say"]
     called = subprocess.run(command, env={**os.environ, **ros_master.env}, capture_output=True, text=True, check=False)
     assert (called.stdout, called.returncode) == ('type: "std_msgs/String"\n', 0), called.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("client", CLIENTS, ids=lambda client: client.name)
+def test_requests_of_other_clients_are_understood(port: str, client: Client) -> None:
+    speaker = Speaker(client, int(port))
+    with speaker.socket:
+        speaker.say("subscribe", topic="/lab/echo", type="std_msgs/String")
+        speaker.say("advertise", topic="/lab/say", type="std_msgs/String")
+        for text in (client.name, "end"):
+            speaker.say("publish", topic="/lab/say", msg={"data": text})
+        while client.name not in speaker.hear("publish")["msg"]["data"]:  # what a client before has said
+            pass
+        speaker.say("unsubscribe", topic="/lab/echo")
+        speaker.say("unadvertise", topic="/lab/say")
+        asked = speaker.say("call_service", service="/lab/set_bool", args={"data": True}, id="call 1")
+        answer = speaker.hear("service_response")
+        assert (answer["id"], answer["result"], answer["values"]["success"]) == (asked, True, True)
+        speaker.say("advertise_service", service="/client/set_bool", type="std_srvs/SetBool")
+        speaker.say("call_service", service="/lab/ask", args={}, id="call 2")
+        call = speaker.hear("call_service")
+        values = {"success": call["args"]["data"], "message": client.name}
+        speaker.say("service_response", id=call["id"], service=call["service"], values=values, result=True)
+        assert speaker.hear("service_response")["values"] == values
+        speaker.say("unadvertise_service", service="/client/set_bool")
