@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from rosapi.srv import MessageDetails, Topics  # type: ignore[import-not-found]  # generated
+from rosapi.srv import MessageDetails, Topics
 
 from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
 from laser_bot_battle.names import Game
