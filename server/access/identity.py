@@ -86,7 +86,7 @@ class Verdict(NamedTuple):
 class Claim:
     """To be somebody, by a secret that is not known yet, or has not been looked at. Time is a monotonic clock in s."""
 
-    def __init__(self, name: str, secret: str, now: float, request: str | int | None = None) -> None:
+    def __init__(self, name: str, secret: str, now: float, request: str | int | float | None = None) -> None:
         """`secret` has MAX_SECRET characters or fewer; `request` is the id of the client's request."""
         self._name, self._secret, self.request = name, secret, request
         self._until = now + SIGN_UP_GRACE

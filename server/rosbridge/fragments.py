@@ -53,7 +53,7 @@ class Reassembly:
     def __init__(self, max_size: int = MAX_SIZE) -> None:
         """`max_size`: bytes of memory for all of them, up to MAX_SIZE."""
         self.max_size = max_size
-        self._unfinished: dict[str | int, Unfinished] = {}
+        self._unfinished: dict[str | int | float, Unfinished] = {}
 
     def add(self, request: Request, now: float) -> str | None:
         """The message, when this fragment completes it. Pieces may come in any order and more than once. RequestError
@@ -86,7 +86,7 @@ class Reassembly:
         for key in expired:
             del self._unfinished[key]
 
-    def _message(self, key: str | int, total: int) -> Unfinished:
+    def _message(self, key: str | int | float, total: int) -> Unfinished:
         message = self._unfinished.get(key)
         if message is None:
             if len(self._unfinished) >= MAX_UNFINISHED:

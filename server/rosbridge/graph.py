@@ -34,15 +34,12 @@ class Graph:
         self._topics: dict[str, Topic] = {}
         self._services: dict[str, Hashable] = {}
 
-    def client_of(self, service: str) -> Hashable | None:
-        """Who offers this service."""
-        return self._services.get(service)
-
-    def offer(self, client: Hashable, service: str) -> None:
-        """`client` will answer calls; RequestError when another client does."""
-        if service in self._services:
-            raise RequestError(f"another client of rosbridge offers {service}")
+    def offer(self, client: Hashable, service: str) -> Hashable | None:
+        """`client` will answer calls, in place of the one that is returned, if any: a page that was loaded again must
+        not wait until its old connection is found to be dead."""
+        before = self._services.get(service)
         self._services[service] = client
+        return before
 
     def withdraw(self, service: str) -> None:
         del self._services[service]

@@ -1,7 +1,9 @@
 """JSON text on the WebSocket: strict parsing of requests, compact writing of replies."""
 
 import json
+import math
 import re
+import sys
 from typing import Any
 
 from laser_bot_battle.names import ROSBRIDGE_NODE
@@ -15,11 +17,12 @@ ROS_NAME = re.compile(r"[/~]?[^\s/~]+(/[^\s/~]+)*")
 SURROGATE = re.compile("[\ud800-\udfff]")
 MAX_NAME = 200  # characters
 MAX_NUMBER = 1e9
+MOST_FINITE = sys.float_info.max
 MAX_LINE = 300  # characters
 MAX_ID = 256  # characters: it is kept, and comes back with every answer
 
-# A request's id may be text or a whole number (rosbridge protocol 1).
-Id = str | int | None
+# A request's id may be text or a number: some languages know no whole ones.
+Id = str | int | float | None
 
 
 class RequestError(Exception):
@@ -34,7 +37,7 @@ class Request:
     def __init__(self, fields: dict[str, Any]) -> None:
         self.fields = fields
         given = fields.get("id")
-        if type(given) not in (str, int):
+        if type(given) not in (str, int, float) or (type(given) is float and not math.isfinite(given)):
             given = None
         elif len(given if type(given) is str else str(given)) > MAX_ID:
             raise RequestError(f"an id may have {MAX_ID} characters")
@@ -63,10 +66,13 @@ class Request:
         return canonical if canonical.startswith("/") else f"/{canonical}"
 
     def ros_type(self, default: str | None = None) -> str:
-        """The name of a message's or service's type, "package/Name"; upstream overlooks further slashes. Without a
-        default it must be there."""
+        """The name of a message's or service's type, "package/Name"; upstream overlooks further slashes, and libraries
+        that also know ROS 2 write "package/msg/Name". Without a default it must be there."""
         value = self.text("type") if default is None else self.optional_text("type", default)
-        return "/".join(part for part in value.split("/") if part)
+        parts = [part for part in value.split("/") if part]
+        if len(parts) == 3 and parts[1] in ("msg", "srv"):
+            del parts[1]
+        return "/".join(parts)
 
     def optional_text(self, name: str, default: str) -> str:
         return default if self.fields.get(name) is None else self.text(name)
@@ -81,22 +87,17 @@ class Request:
         return value
 
     def number(self, name: str, default: float) -> float:
-        """A number from 0 to MAX_NUMBER."""
+        """A number from 0 to MAX_NUMBER; what is below or above counts as that."""
         value = self.fields.get(name)
         if value is None:
             return default
-        if type(value) not in (int, float) or not 0 <= value <= MAX_NUMBER:
-            raise RequestError(f"the field {name!r} must be a number from 0 to {MAX_NUMBER:g}, {self._given(name)}")
-        return float(value)
+        if type(value) not in (int, float) or not abs(value) <= MOST_FINITE:  # or NaN
+            raise RequestError(f"the field {name!r} must be a number, {self._given(name)}")
+        return float(min(max(value, 0), MAX_NUMBER))
 
     def flag(self, name: str) -> bool:
-        """True or false, false when missing."""
-        value = self.fields.get(name)
-        if value is None:
-            return False
-        if type(value) is not bool:
-            raise RequestError(f"the field {name!r} must be true or false, {self._given(name)}")
-        return value
+        """True or false, false when missing; of other values what Python makes of them, as upstream."""
+        return bool(self.fields.get(name))
 
     def _given(self, name: str) -> str:
         return f"not {brief(self.fields[name])}" if name in self.fields else "it is missing"

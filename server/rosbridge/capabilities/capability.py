@@ -5,7 +5,7 @@ from collections.abc import Callable, Mapping
 
 from server.rosbridge.context import Context
 from server.rosbridge.effects import Effect
-from server.websocket.requests import Request, RequestError, brief
+from server.websocket.requests import Request
 
 Handler = Callable[[Request, float], list[Effect]]  # (request, monotonic time in s); RequestError refuses the request
 
@@ -30,11 +30,10 @@ class Capability(ABC):
 
 
 def compression(request: Request, known: tuple[str, ...]) -> str:
-    """How the client wants the answers to this request."""
+    """How the client wants the answers to this request; as it is by default if it wants what nobody knows, as
+    upstream."""
     value = request.optional_text("compression", "none")
-    if value not in known:
-        raise RequestError(f"compression {brief(value)} is not supported, only {', '.join(known)}")
-    return value
+    return value if value in known else "none"
 
 
 def fragment_size(request: Request) -> int | None:

@@ -36,17 +36,21 @@ class ServiceOffers(Capability):
             "service_response": self.service_response,
         }
 
-    def advertise_service(self, request: Request, _now: float) -> list[Effect]:
+    def advertise_service(self, request: Request, now: float) -> list[Effect]:
         service, type_name = request.ros_name("service"), request.ros_type()
         if reason := self.client.gate.refuses_offering(self.client.identity, service):
             raise self.client.gate.refusal("advertise_service", reason)
         offer = Offer(request.text("service"), self.client.types.service(type_name))
-        if service in self._offers:
-            return [*self._close(service), *self._open(service, offer)]
-        if len(self._offers) >= MAX_SERVICES:
+        if service not in self._offers and len(self._offers) >= MAX_SERVICES:
             raise RequestError(f"a client may offer {MAX_SERVICES} services")
-        self.client.graph.offer(self.client, service)
-        return self._open(service, offer)
+        effects: list[Effect] = []
+        before = self.client.graph.offer(self, service)
+        if isinstance(before, ServiceOffers):
+            effects += before._close(service)
+            if before is not self:
+                text = f"another client of rosbridge offered {service} before, and no longer does"
+                effects += self.client.report("warning", text, now, request.id)
+        return [*effects, *self._open(service, offer)]
 
     def unadvertise_service(self, request: Request, now: float) -> list[Effect]:
         service = request.ros_name("service")

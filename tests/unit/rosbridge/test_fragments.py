@@ -70,7 +70,7 @@ def test_a_cut_through_a_character_of_javascript_is_mended() -> None:
     ("fields", "reason"),
     [
         ({"id": None}, "needs the id"),
-        ({"id": 1.5}, "needs the id"),
+        ({"id": [1]}, "needs the id"),
         ({"num": -1}, "'num' must be a whole number"),
         ({"num": True}, "'num' must be a whole number"),
         ({"num": None}, "num is below its total"),
