@@ -15,9 +15,11 @@ import time
 from robot.installed import missing_explained
 
 with missing_explained():
+    from laser_bot_battle.addresses import check_interface
     from laser_bot_battle.announcement import Announcement, arena_of
     from laser_bot_battle.master_probe import is_master
     from laser_bot_battle.search import MAX_ARENAS, Search, searching
+    from laser_bot_battle.settings import read_or_exit
 
 PROGRAM = "robot.find"
 POLL = 0.1  # s
@@ -37,6 +39,7 @@ def main() -> int:
     )
     parser.add_argument("--seconds", type=seconds, default=3.0, help="how long to listen (default %(default)g)")
     arguments = parser.parse_args()
+    read_or_exit(PROGRAM, check_interface)
     signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         return asyncio.run(find(arguments.seconds))

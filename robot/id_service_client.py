@@ -66,6 +66,7 @@ def main() -> int:
             variables.MASTER,
             variables.WEB,
             variables.ROS_MASTER_URI,
+            variables.INTERFACE,
             variables.SERIAL,
             variables.ROBOT_NAME,
             variables.RETRY,

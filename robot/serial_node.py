@@ -70,6 +70,7 @@ def main() -> int:
             variables.ARENA_NAME,
             variables.MASTER,
             variables.ROS_MASTER_URI,
+            variables.INTERFACE,
             variables.SERIAL,
             variables.PRIORITY,
             variables.CAMERA,

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from laser_bot_battle import variables
+from laser_bot_battle.addresses import check_interface
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import client_name
 from laser_bot_battle.place import Place
@@ -29,6 +30,7 @@ class Settings:
     @classmethod
     def from_env(cls, env: Mapping[str, str]) -> "Settings":
         """SettingsError names the variable whose value cannot be used."""
+        check_interface(env)
         return cls(
             place=Place.given(env),
             arena=variables.ARENA_NAME.read(env),

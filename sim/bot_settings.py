@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from laser_bot_battle.addresses import check_interface
 from laser_bot_battle.names import BOT_PREFIX, ROBOT_IDS, is_bot
 from laser_bot_battle.place import Place
 from laser_bot_battle.settings import SettingsError
@@ -11,6 +12,7 @@ from laser_bot_battle.variables import (
     ARENA,
     ARENA_NAME,
     BOT_LEVEL,
+    INTERFACE,
     LOG_LEVEL,
     MASTER,
     ROS_MASTER_URI,
@@ -18,7 +20,7 @@ from laser_bot_battle.variables import (
     WEB,
 )
 
-VARIABLES = (ARENA_NAME, MASTER, WEB, ROSBRIDGE, ROS_MASTER_URI, ARENA, BOT_LEVEL, LOG_LEVEL, ALIVE_FILE)
+VARIABLES = (ARENA_NAME, MASTER, WEB, ROSBRIDGE, ROS_MASTER_URI, INTERFACE, ARENA, BOT_LEVEL, LOG_LEVEL, ALIVE_FILE)
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,7 @@ class Settings:
         robot: str | None = None,
     ) -> "Settings":
         """`rosbridge` and `arena` (its page) are "host:port", or the master's. SettingsError for a wrong value."""
+        check_interface(env)
         if not is_bot(name):
             raise SettingsError(f"--name {name}: must be {BOT_PREFIX} and a number of up to 13 digits")
         if robot is not None and robot not in map(str, ROBOT_IDS):

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from laser_bot_battle import listening
+from laser_bot_battle.addresses import check_interface
 from laser_bot_battle.operator_token import read_operator_token
 from laser_bot_battle.settings import SettingsError, Variable
 from laser_bot_battle.variables import (
     ARENA,
     ARENA_LINK,
     BIND,
+    INTERFACE,
     LASERBOT,
     LIGHT,
     OPERATOR_TOKEN,
@@ -31,7 +33,7 @@ PORTS = {
     ARENA: "the arena's view",
     ARENA_LINK: "the robots' link to the arena",
 }
-VARIABLES: tuple[Variable[Any], ...] = (BIND, *PORTS, LIGHT, OPERATOR_TOKEN, OPERATOR_TOKEN_FILE)
+VARIABLES: tuple[Variable[Any], ...] = (BIND, INTERFACE, *PORTS, LIGHT, OPERATOR_TOKEN, OPERATOR_TOKEN_FILE)
 
 
 @dataclass(frozen=True)
@@ -48,6 +50,7 @@ class Settings:
         """SettingsError for a value that the demo or one of its parts would refuse, or a port that is in use."""
         for variable in LASERBOT:
             variable.read(env)
+        check_interface(env)
         read_operator_token(env)
         bind = BIND.read(env, default=HOST)
         if bind not in (HOST, "0.0.0.0"):

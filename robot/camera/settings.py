@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Self
 
 from laser_bot_battle import variables
+from laser_bot_battle.addresses import check_interface
 
 VARIABLES = (
     variables.CAMERA,
@@ -16,6 +17,7 @@ VARIABLES = (
     variables.ARENA_NAME,
     variables.MASTER,
     variables.ROS_MASTER_URI,
+    variables.INTERFACE,
     variables.RETRY,
     variables.LOG_LEVEL,
     variables.LOG_FORMAT,
@@ -44,6 +46,7 @@ class CameraSettings:
     @classmethod
     def from_env(cls, env: Mapping[str, str]) -> Self:
         """SettingsError names the variable whose value cannot be used."""
+        check_interface(env)
         return cls(
             device=variables.CAMERA.read(env),
             size=variables.CAMERA_SIZE.read(env),

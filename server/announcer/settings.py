@@ -7,12 +7,14 @@ from typing import Self
 from urllib.parse import urlsplit
 
 from laser_bot_battle import variables
+from laser_bot_battle.addresses import check_interface
 from laser_bot_battle.announcement import shortened
 from laser_bot_battle.names import ROS_PORT
 
 VARIABLES = (
     variables.ARENA_NAME,
     variables.BIND,
+    variables.INTERFACE,
     variables.WEB,
     variables.ROSBRIDGE,
     variables.LOG_LEVEL,
@@ -36,6 +38,7 @@ class Settings:
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:
         """Read `environ`. SettingsError for an impossible value."""
+        check_interface(environ)
         return cls(
             arena=variables.ARENA_NAME.read(environ) or host_arena(socket.gethostname()),
             bind=variables.BIND.read(environ),

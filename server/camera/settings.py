@@ -11,6 +11,7 @@ from server.program.program import ProgramSettings
 
 VARIABLES = (
     variables.BIND,
+    variables.INTERFACE,
     variables.RELAY,
     variables.RELAY_VIEWERS,
     variables.RELAY_RATE,

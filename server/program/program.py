@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from typing import Any, Self
 
 from laser_bot_battle import listening, variables
+from laser_bot_battle.addresses import check_interface
 from laser_bot_battle.listening import Listener
 from laser_bot_battle.master import Master, MasterWatch
 from laser_bot_battle.settings import Variable, describe
@@ -62,6 +63,7 @@ class ProgramSettings:
     def from_env(cls, environ: Mapping[str, str], port: Variable[int] | None = None) -> Self:
         """Read `environ`; `port` is the variable of the program's port, if it has one. SettingsError for an impossible
         value."""
+        check_interface(environ)
         return cls(
             bind=variables.BIND.read(environ),
             port=port.read(environ) if port else 0,

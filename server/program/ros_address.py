@@ -9,7 +9,7 @@ import os
 import threading
 from collections.abc import Callable
 
-from laser_bot_battle.addresses import own_addresses, reachable_addresses
+from laser_bot_battle.addresses import lan_choice, own_addresses, reachable_addresses
 from laser_bot_battle.ros_environment import address_towards, has_address
 
 LOOPBACK = "127.0.0.1"
@@ -29,7 +29,7 @@ def settle(bind: str, master_uri: str, ending: threading.Event, on_change: Calla
         return
     chosen = choose(bind, master_uri)
     os.environ["ROS_IP"] = chosen
-    _log.info("ROS finds this program at %s (set ROS_IP to choose another address)", chosen)
+    _log.info("ROS finds this program at %s; its networks: %s (LASERBOT_INTERFACE chooses)", chosen, lan_choice())
 
     def watch() -> None:
         while not ending.wait(PERIOD):

@@ -20,6 +20,7 @@ from tcpros.specs import TypeSpec
 FROM, TO = "/rosout", "/rosout_agg"
 VARIABLES = (
     variables.BIND,
+    variables.INTERFACE,
     variables.LOG_LEVEL,
     variables.LOG_FORMAT,
     variables.ALIVE_FILE,

@@ -13,6 +13,7 @@ from server.program.program import ProgramSettings
 
 VARIABLES = (
     variables.BIND,
+    variables.INTERFACE,
     variables.ROSBRIDGE,
     variables.OPERATOR_TOKEN,
     variables.OPERATOR_TOKEN_FILE,

@@ -17,6 +17,7 @@ from server.store.location import data_folder, database_url
 
 VARIABLES: tuple[Variable[Any], ...] = (
     variables.BIND,
+    variables.INTERFACE,
     variables.WEB,
     variables.ROSBRIDGE,
     variables.RELAY,

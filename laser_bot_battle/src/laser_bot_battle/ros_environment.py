@@ -1,9 +1,12 @@
 """What ROS reads from the environment, completed where nothing is set."""
 
+import ipaddress
+import os
 from collections.abc import Mapping
 from urllib.parse import urlsplit
 
-from laser_bot_battle.addresses import local_address
+from laser_bot_battle import variables
+from laser_bot_battle.addresses import lan_addresses, local_address
 
 
 def ros_environment(env: Mapping[str, str], master_uri: str) -> dict[str, str]:
@@ -24,9 +27,16 @@ def has_address(env: Mapping[str, str]) -> bool:
 
 
 def address_towards(master_uri: str) -> str:
-    """This machine's IPv4 address on the route to the master. OSError if there is no route, or the name is unknown."""
+    """This machine's IPv4 address on the route to the master, or that of LASERBOT_INTERFACE unless the master is here.
+
+    OSError if there is no route, or the name is unknown.
+    """
     url = urlsplit(master_uri)
     try:
-        return local_address(url.hostname or "", url.port or 0)
+        towards = local_address(url.hostname or "", url.port or 0)
     except OSError as error:
         raise OSError(f"cannot reach the ROS master at {url.hostname}: {error.strerror or error}") from None
+    if not variables.INTERFACE.read(os.environ) or ipaddress.ip_address(towards).is_loopback:
+        return towards
+    chosen = [address.ip for address in lan_addresses()]
+    return towards if towards in chosen or not chosen else chosen[0]

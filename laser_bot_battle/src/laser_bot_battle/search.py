@@ -10,7 +10,7 @@ from collections.abc import AsyncIterator, Iterable
 from zeroconf import BadTypeInNameException, IPVersion, ServiceStateChange, Zeroconf
 from zeroconf.asyncio import AsyncServiceBrowser, AsyncServiceInfo, AsyncZeroconf
 
-from laser_bot_battle.addresses import lan_addresses
+from laser_bot_battle.addresses import lan_addresses, without_network
 from laser_bot_battle.announcement import SERVICE, Announcement, NoArenaError, UnheardError, arena_of, choose, read
 from laser_bot_battle.master_probe import is_master
 
@@ -114,7 +114,7 @@ async def searching(wanted: str = "") -> AsyncIterator[Search]:
     logging.getLogger("zeroconf").setLevel(logging.CRITICAL)  # it writes a traceback for anybody's broken packet
     interfaces = [address.ip for address in lan_addresses()]
     if not interfaces:
-        raise OSError("this machine has no address in any network")
+        raise OSError(without_network())
     zeroconf = AsyncZeroconf(interfaces=interfaces, ip_version=IPVersion.V4Only)
     search = Search(zeroconf.zeroconf, wanted)
     browser = AsyncServiceBrowser(zeroconf.zeroconf, [SERVICE], handlers=[search.heard])

@@ -67,6 +67,10 @@ def _teams(text: str) -> int:
     return int(text)
 
 
+def _separated(text: str) -> tuple[str, ...]:
+    return tuple(text.split())
+
+
 def _devices(text: str) -> tuple[str, ...]:
     devices = tuple(text.split())
     if "tcp-listen:" in text:
@@ -131,6 +135,14 @@ BIND = words(
     "address on which the web server, rosbridge, the cameras' relay, the front and the arena listen. `0.0.0.0`: all of "
     "this machine's, of IPv6, too; `127.0.0.1`: for programs on this machine only, also at `::1`",
     "`0.0.0.0` (demo: `127.0.0.1`)",
+)
+INTERFACE: Variable[tuple[str, ...]] = Variable(
+    "LASERBOT_INTERFACE",
+    (),
+    "the network of robots and players, if it is not [found](discovery.md#which-network): an interface's name, an "
+    "address of this machine or a network, such as `wlan0` or `192.168.1.0/24`; several with spaces between them",
+    _separated,
+    "each real network",
 )
 WEB = port("LASERBOT_WEB_PORT", WEB_PORT, "the game's pages")
 ROSBRIDGE = port("LASERBOT_ROSBRIDGE_PORT", ROSBRIDGE_PORT, "rosbridge's WebSocket")

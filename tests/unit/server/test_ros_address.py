@@ -5,6 +5,7 @@ from collections.abc import Callable
 import pytest
 
 from laser_bot_battle import addresses
+from laser_bot_battle.interfaces import LanAddress
 from server.program.ros_address import choose, successor
 
 HERE = "http://localhost:11311"
@@ -16,7 +17,7 @@ def network(monkeypatch: pytest.MonkeyPatch) -> Network:
     """Gives this machine these addresses."""
 
     def has(*ips: str) -> None:
-        lan = [addresses.LanAddress(ip, 24) for ip in ips]
+        lan = [LanAddress(ip, 24) for ip in ips]
         monkeypatch.setattr(addresses, "lan_addresses", lambda: lan)
         monkeypatch.setattr("server.program.ros_address.own_addresses", lambda: {"127.0.0.1", *ips})
 

@@ -6,7 +6,7 @@ import re
 import pytest
 import segno
 
-from laser_bot_battle.addresses import LanAddress
+from laser_bot_battle.interfaces import LanAddress
 from laser_bot_battle.msg import GameStatus, UserStatus
 from server.game.loop import GameLoop
 from server.game.referee import Referee

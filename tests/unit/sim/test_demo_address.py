@@ -6,6 +6,7 @@ import sys
 import pytest
 
 from laser_bot_battle import addresses
+from laser_bot_battle.interfaces import LanAddress
 from laser_bot_battle.operator_token import SHORTEST
 from laser_bot_battle.settings import SettingsError
 from sim import demo_settings
@@ -22,7 +23,7 @@ class Terminal(io.StringIO):
 
 @pytest.fixture(autouse=True)
 def network(monkeypatch: pytest.MonkeyPatch) -> None:
-    found = [addresses.LanAddress(ip, 24) for ip in ("192.168.178.123", "10.9.0.1")]
+    found = [LanAddress(ip, 24) for ip in ("192.168.178.123", "10.9.0.1")]
     monkeypatch.setattr(addresses, "lan_addresses", lambda: found)
 
 
