@@ -9,15 +9,17 @@ import logging
 import signal
 import sys
 
-from zeroconf import IPVersion, Zeroconf
+from zeroconf import Zeroconf
 from zeroconf.asyncio import AsyncZeroconf
 
 from laser_bot_battle import alive
-from laser_bot_battle.addresses import reachable_addresses
+from laser_bot_battle.addresses import lan_choice, reachable_addresses
+from laser_bot_battle.interfaces import LanAddress
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.settings import read_or_exit
 from server.announcer.arena import announce_arena
 from server.announcer.host_names import hold, host_names
+from server.announcer.network import open_networks
 from server.announcer.settings import VARIABLES, Settings
 from server.program.program import read_arguments
 
@@ -58,17 +60,22 @@ class Announcer:
             if addresses:
                 await self._announce(addresses)
             else:
-                self._say(f"nothing is announced: LASERBOT_BIND={self._settings.bind} is no address in a network now")
+                self._say(
+                    f"nothing is announced: LASERBOT_BIND={self._settings.bind} is no address in a network now; "
+                    f"its networks: {lan_choice()} (LASERBOT_INTERFACE chooses)"
+                )
                 await self._pause()
 
-    async def _announce(self, addresses: list[str]) -> None:
+    async def _announce(self, addresses: list[LanAddress]) -> None:
         """At these addresses, until they change or the program is to end."""
         try:
-            zeroconf = AsyncZeroconf(interfaces=addresses, ip_version=IPVersion.V4Only)
+            zeroconf = open_networks(addresses)
         except OSError as error:
-            self._say(f"nothing can be announced at {', '.join(addresses)}: {error.strerror or error}; trying again")
+            where = ", ".join(address.ip for address in addresses)
+            self._say(f"nothing can be announced at {where}: {error.strerror or error}; trying again")
             return await self._pause()
         self._trouble = ""
+        _log.info("this machine's networks: %s (LASERBOT_INTERFACE chooses)", lan_choice())
         work = asyncio.create_task(_work(zeroconf, self._settings, addresses))
         while not self._ending.is_set() and not work.done() and set(await self._addresses()) == set(addresses):
             await self._pause()
@@ -79,9 +86,9 @@ class Announcer:
         finally:
             await zeroconf.async_close()  # says goodbye
 
-    async def _addresses(self) -> list[str]:
+    async def _addresses(self) -> list[LanAddress]:
         # in a thread: LASERBOT_BIND may be a name that takes a while to look up
-        return [address.ip for address in await asyncio.to_thread(reachable_addresses, self._settings.bind)]
+        return await asyncio.to_thread(reachable_addresses, self._settings.bind)
 
     async def _pause(self) -> None:
         alive.touch()
@@ -94,9 +101,9 @@ class Announcer:
         self._trouble = trouble
 
 
-async def _work(zeroconf: AsyncZeroconf, settings: Settings, addresses: list[str]) -> None:
+async def _work(zeroconf: AsyncZeroconf, settings: Settings, addresses: list[LanAddress]) -> None:
     async with asyncio.TaskGroup() as group:
-        group.create_task(announce_arena(zeroconf, settings, addresses))
+        group.create_task(announce_arena(zeroconf, settings, [address.ip for address in addresses]))
         for name in host_names(settings):
             group.create_task(hold(zeroconf, name, settings.arena, addresses))
         group.create_task(_forget(zeroconf.zeroconf))

@@ -5,6 +5,7 @@ zeroconf answers for the host of a service that it announces, so each name is th
 
 import asyncio
 import logging
+from collections.abc import Sequence
 from dataclasses import dataclass
 from ipaddress import IPv4Address
 
@@ -13,6 +14,7 @@ from zeroconf.asyncio import AsyncServiceInfo, AsyncZeroconf
 
 from laser_bot_battle.addresses import own_addresses
 from laser_bot_battle.announcement import shortened
+from laser_bot_battle.interfaces import LanAddress
 from laser_bot_battle.names import MASTER_HOST, MASTER_HOST_ALIAS
 from server.announcer.held_name import ADDRESS, Challenge
 from server.announcer.settings import Settings
@@ -41,7 +43,7 @@ def host_names(settings: Settings) -> list[HostName]:
     ]
 
 
-async def hold(zeroconf: AsyncZeroconf, host: HostName, arena: str, addresses: list[str]) -> None:
+async def hold(zeroconf: AsyncZeroconf, host: HostName, arena: str, addresses: Sequence[LanAddress]) -> None:
     """Answer for the name whenever nobody else does, until this is cancelled."""
     left_to_others = False
     while True:
@@ -65,21 +67,35 @@ async def answering(zeroconf: Zeroconf, name: str) -> str | None:
     return resolver.parsed_addresses()[0]
 
 
-async def _answer(zeroconf: AsyncZeroconf, host: HostName, arena: str, addresses: list[str]) -> str:
-    """Answer for the name until a machine with a higher address does so, too; returns that."""
+async def _answer(zeroconf: AsyncZeroconf, host: HostName, arena: str, addresses: Sequence[LanAddress]) -> str:
+    """Answer for the name until a machine with a higher address in one network does so, too; returns that."""
     info = AsyncServiceInfo(
         host.service,
         f"{shortened(f'LaserBot Battle {arena}')}.{host.service}",
         port=host.port,
         server=f"{host.name}.",
-        parsed_addresses=addresses,
+        parsed_addresses=[address.ip for address in addresses],
     )
     await zeroconf.async_register_service(info, allow_name_change=True)
     _log.info("%s is this machine", host.name)
-    challenge = Challenge(zeroconf.zeroconf, info.server or "", ADDRESS, lambda record: stronger(record, addresses))
+
+    def rival(record: DNSRecord) -> str | None:
+        return stronger(record, beside(record, addresses))
+
+    challenge = Challenge(zeroconf.zeroconf, info.server or "", ADDRESS, rival)
     other = await challenge.wait()
     await zeroconf.async_unregister_service(info)
     return other
+
+
+def beside(record: DNSRecord, addresses: Sequence[LanAddress]) -> list[str]:
+    """Those of these addresses that the record's machine can see: the ones in its network. All, if there is none."""
+    if isinstance(record, DNSAddress) and len(record.address) == IPV4_BYTES:
+        there = IPv4Address(record.address)
+        seen = [address.ip for address in addresses if there in address.network]
+        if seen:
+            return seen
+    return [address.ip for address in addresses]
 
 
 def stronger(record: DNSRecord, addresses: list[str]) -> str | None:
