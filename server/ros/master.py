@@ -1,4 +1,4 @@
-"""Debian's ROS master with limits: `python3 -m server.ros.master -p 11311`.
+"""Debian's ROS master with limits, for several networks: `python3 -m server.ros.master -p 11311`.
 
 As `rosmaster --core`, but a peer that stalls or floods holds no thread for ever, no file of its log grows, and a port
 that is taken ends it.
@@ -13,13 +13,14 @@ import threading
 from queue import Empty, SimpleQueue
 
 from rosgraph.xmlrpc import XmlRpcNode
-from rosmaster.master_api import NUM_WORKERS, ROSMasterHandler
+from rosmaster.master_api import NUM_WORKERS
 
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import ROS_PORT
 from laser_bot_battle.rosgraph_cures import cure_xmlrpc
 from laser_bot_battle.settings import describe, port, read_or_exit
 from laser_bot_battle.variables import LOG_LEVEL
+from server.ros.master_networks import NetworksHandler
 
 POLL = 0.5  # s
 
@@ -48,7 +49,7 @@ def main() -> int:
         _log.error("cannot serve port %d: %s", number, getattr(error, "strerror", None) or error)
         ends.put(1)
 
-    handler = ROSMasterHandler(NUM_WORKERS)
+    handler = NetworksHandler(NUM_WORKERS)
     node = XmlRpcNode(number, handler, on_run_error=failed)
     threading.Thread(target=node.run, name="master", daemon=True).start()
     while handler._ok():  # who knows its API may have ended it

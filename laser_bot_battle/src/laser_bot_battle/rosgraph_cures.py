@@ -13,6 +13,7 @@ from xmlrpc.server import SimpleXMLRPCServer
 from rosgraph import xmlrpc
 
 from laser_bot_battle import listening
+from laser_bot_battle.arrival import Arrival, current
 from laser_bot_battle.connection_limits import ConnectionLimits
 
 PATIENCE = 5.0  # s for a request, or until the next one of a connection: whoever asks then connects anew
@@ -34,6 +35,7 @@ class _Handler(xmlrpc.SilenceableXMLRPCRequestHandler):  # type: ignore[misc]
 
     def handle_one_request(self) -> None:
         self.server.limits.renew(self.request)
+        current.set(Arrival(self.client_address[0], self.request.getsockname()[0]))
         super().handle_one_request()
 
     def do_POST(self) -> None:  # noqa: N802 - http.server's name

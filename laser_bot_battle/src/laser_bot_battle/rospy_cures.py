@@ -10,6 +10,8 @@
   `Subscription` and `hear_again`, shown by tests/unit/shared/test_subscriptions.py.
 - **Late latch**: a publisher registers first and latches then. Who connects in between is told that it does not latch.
   `latched_publisher`, shown by tests/unit/shared/test_latched.py.
+- **One address for everybody**: a subscriber from another network of this machine is sent to an address that it does
+  not reach. `cure_rospy`, shown by tests/integration/discovery/test_networks.py.
 """
 
 import contextlib
@@ -25,12 +27,14 @@ import rospy
 from rosgraph.network import ROSHandshakeException, get_bind_address, read_ros_handshake_header
 from rospy import topics
 from rospy.exceptions import TransportTerminated
-from rospy.impl import tcpros_base, tcpros_service
+from rospy.impl import tcpros_base, tcpros_pubsub, tcpros_service
 from rospy.impl.registration import Registration, get_topic_manager
 
 from laser_bot_battle import listening
+from laser_bot_battle.arrival import current, host_for
 from laser_bot_battle.connection_limits import ConnectionLimits
 from laser_bot_battle.master import Master, MasterError
+from laser_bot_battle.netlink import own_networks
 from laser_bot_battle.rosgraph_cures import cure_xmlrpc
 
 PEER = "laserbot_peer"  # a field of the connection headers that `name_peers` adds: the peer's address
@@ -51,9 +55,11 @@ _receive = tcpros_base.recv_buff
 
 
 def cure_rospy() -> None:
-    """Stalled greetings, endless headers and messages, one family. Call it once, before `init_node`."""
+    """Stalled greetings, endless headers and messages, one family, one address for everybody. Call it once, before
+    `init_node`."""
     cure_xmlrpc()
     tcpros_base.TCPServer._create_server_sock = _listen
+    tcpros_pubsub.get_tcpros_server_address = _address_for_the_caller
     tcpros_base.read_ros_handshake_header = _read_header
     tcpros_base.recv_buff = tcpros_service.recv_buff = _receive_bounded
     server = tcpros_base.init_tcpros_server()
@@ -159,6 +165,11 @@ def _listen(server: tcpros_base.TCPServer) -> listening.Listener:
     server.addr, server.port, *_ = listener.getsockname()
     listener.listen(BACKLOG)
     return listener
+
+
+def _address_for_the_caller() -> tuple[str, int]:
+    host, port = tcpros_base.get_tcpros_server_address()
+    return host_for(host, current.get(), own_networks()), port
 
 
 def _read_header(peer: socket.socket, buffer: BytesIO, size: int) -> dict[str, str]:

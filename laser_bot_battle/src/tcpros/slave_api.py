@@ -4,6 +4,8 @@ import os
 from collections.abc import Callable
 from typing import Any, Protocol
 
+from laser_bot_battle.arrival import current, host_for
+from laser_bot_battle.netlink import own_networks
 from tcpros.publisher import Publisher
 from tcpros.subscriber import Subscriber
 
@@ -58,6 +60,7 @@ class SlaveApi:
         if not any(isinstance(protocol, list) and protocol[:1] == ["TCPROS"] for protocol in protocols):
             return 0, "only TCPROS is spoken here", []
         host, port = self._node.tcpros_address
+        host = host_for(host, current.get(), own_networks())
         return 1, f"ready on {host}:{port}", ["TCPROS", host, port]
 
     def _publisher_update(self, topic: str, publishers: list[str]) -> Answer:

@@ -7,6 +7,7 @@ import xmlrpc.client
 from collections.abc import Callable
 from typing import Any
 
+from laser_bot_battle.arrival import Arrival, current
 from laser_bot_battle.listening import Listener
 from tcpros import sockets
 from tcpros.sockets import GREETING
@@ -44,6 +45,8 @@ class XmlRpcServer:
             return
         self._connections.add(task)
         try:
+            here, caller = (writer.get_extra_info(name) for name in ("sockname", "peername"))
+            current.set(Arrival(caller[0], here[0]) if here and caller else None)
             async with asyncio.timeout(GREETING):
                 await self._serve(reader, writer)
         except (OSError, EOFError, ValueError, asyncio.LimitOverrunError) as error:
