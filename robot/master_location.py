@@ -7,7 +7,7 @@ import os
 import threading
 import time
 
-from laser_bot_battle.addresses import own_addresses
+from laser_bot_battle.addresses import lan_choice, own_addresses
 from laser_bot_battle.place import Place, find_again, locate
 from laser_bot_battle.ros_environment import address_towards, has_address
 from robot.settings import Settings
@@ -85,6 +85,10 @@ class OwnAddress:
         self._uri = place.ros_master_uri
         self._told = "" if has_address(os.environ) else self._now()
         self._due = 0.0
+        if self._told:
+            _log.info(
+                "ROS finds this robot at %s; its networks: %s (LASERBOT_INTERFACE chooses)", self._told, lan_choice()
+            )
 
     def check(self) -> None:
         """ReaddressedError when this robot has another one in its place."""

@@ -1,15 +1,17 @@
 """A robot and its master in the networks that people have: each joins by the address at which it can be reached."""
 
+import json
 import sys
 from pathlib import Path
 
 import pytest
 
+from laser_bot_battle.names import MASTER_HOST_ALIAS
 from tests.integration.discovery.master import LanMaster
 from tests.integration.discovery.robot import LanRobot
 from tests.support import networks
 from tests.support.lan import Lan, Machine, needs_root
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 
 pytestmark = needs_root
 
@@ -23,6 +25,23 @@ _, host, port = ServerProxy(node).requestTopic("/test", topic, [protocol])[2]
 assert node.startswith(f"http://{host}:"), (node, host)
 socket.create_connection((host, port), 5).close()
 print(host, end="")
+"""
+
+# a node that publishes on this machine, long after the robots came; who asks it for a topic, comes by which address?
+PUBLISH_LATE = """
+from xmlrpc.client import ServerProxy
+from xmlrpc.server import SimpleXMLRPCRequestHandler, SimpleXMLRPCServer
+class Handler(SimpleXMLRPCRequestHandler):
+    def do_POST(self):
+        print("asked at", self.connection.getsockname()[0], flush=True)
+        super().do_POST()
+server = SimpleXMLRPCServer(("0.0.0.0", 0), Handler, logRequests=False)
+server.register_function(lambda *_: (0, "not now", []), "requestTopic")
+uri = f"http://10.9.0.1:{server.server_address[1]}/"
+for robot in (0, 1):
+    topic = f"/Robot{robot}/command"
+    ServerProxy("http://127.0.0.1:11311").registerPublisher("/late", topic, "laser_bot_battle/Robot_msg", uri)
+server.serve_forever()
 """
 
 
@@ -52,6 +71,25 @@ def test_robots_of_two_networks_join_each_by_the_address_by_which_it_came(lan: L
         until(lambda: master.robots() == 2, 30, "both robots")
         assert heard_from(near, "10.9.0.1") == "10.9.0.1"
         assert heard_from(far, "192.168.4.1") == "192.168.4.1"
+        for robot in (first, second):
+            robot.wait_for("/command")
+        master.announcer.wait_for(f"{MASTER_HOST_ALIAS} is this machine")
+        assert addresses_of(MASTER_HOST_ALIAS, far) == ["192.168.4.1"]
+        assert addresses_of(MASTER_HOST_ALIAS, near) == ["10.9.0.1"]
+        late = on_master.program(sys.executable, "-c", PUBLISH_LATE)
+        try:
+            late.wait_for("asked at 10.9.0.1\n")
+            late.wait_for("asked at 192.168.4.1\n")
+        finally:
+            late.kill()
+
+
+def addresses_of(name: str, asker: Machine) -> list[str]:
+    """What that machine hears about a host name."""
+    program = asker.python("tests.integration.discovery.ears", name)
+    assert program.process.wait(LATEST) == 0, program.output
+    found: list[str] = json.loads(program.output)
+    return found
 
 
 def heard_from(machine: Machine, master: str) -> str:
