@@ -117,7 +117,8 @@ class View:
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
         """The answer with the headers of all pages; 400 for a header Host that names none."""
-        host = asked(request.remote or "", partial(_header, request), self._proxies).host or "localhost"
+        host = asked(request.remote or "", partial(_header, request), self._proxies).host
+        host = "localhost" if host is None else host  # HTTP/1.0 has none
         if not is_valid_host(host):
             raise web.HTTPBadRequest(text="the header Host names no host")
         headers = {"Content-Security-Policy": page_policy(host, self._rosbridge_port), **HEADERS}
@@ -214,7 +215,7 @@ class View:
 
 def _header(request: web.Request, name: str) -> str | None:
     """Its value, of several with commas between them; None without one."""
-    return ", ".join(request.headers.getall(name, [])) or None
+    return ", ".join(request.headers.getall(name)) if name in request.headers else None
 
 
 def _keep_little(request: web.Request) -> None:

@@ -19,7 +19,7 @@ from playwright.sync_api import Browser, expect
 from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
-from server.front.configuration import AT_ONCE, RATE
+from server.front.configuration import FILES_AT_ONCE, RATE
 from tests.browser.conftest import FLAGS
 from tests.browser.people import Person
 from tests.support.demo import Demo
@@ -185,7 +185,7 @@ def test_who_sends_too_much_waits_for_his_turn(front: Front) -> None:
     style = page.split('rel="stylesheet" href="')[1].split('"')[0]
     requests.get(front.web + style, timeout=5)
     ask = f"HEAD {style} HTTP/1.1\r\nHost: localhost\r\n"
-    count = AT_ONCE + 2 * RATE
+    count = FILES_AT_ONCE + 2 * RATE
     began = time.monotonic()
     with socket.create_connection(("127.0.0.1", front.http_port), timeout=20) as hasty:
         hasty.sendall((f"{ask}\r\n" * (count - 1) + f"{ask}Connection: close\r\n\r\n").encode())

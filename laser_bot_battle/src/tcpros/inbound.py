@@ -16,6 +16,7 @@ _log = logging.getLogger(__name__)
 
 # Peers that have connected and not yet said what they want.
 MAX_GREETING = 200
+ACCEPT_AGAIN = 1.0  # s after that was impossible
 
 
 class Inbound:
@@ -26,40 +27,56 @@ class Inbound:
         self._greeting = 0
         self._listener: Listener | None = None
         self._tasks: set[asyncio.Task[None]] = set()
+        self._ungreeted: set[socket.socket] = set()  # their tasks have not begun yet
 
     def start(self) -> int:
         """Listen; returns the port. OSError when the address of this machine is impossible."""
         self._listener = sockets.listen()
         for each in self._listener.sockets:
-            self._keep(asyncio.get_running_loop().create_task(self._accept(each)))
+            asyncio.get_running_loop().add_reader(each, self._accept, each)
         return int(self._listener.getsockname()[1])
 
     async def close(self) -> None:
+        if self._listener:
+            for each in self._listener.sockets:
+                asyncio.get_running_loop().remove_reader(each)
+            self._listener.close()
+            self._listener = None
         for task in self._tasks:
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)
-        if self._listener:
-            self._listener.close()
+        for connected in self._ungreeted:
+            connected.close()
 
     def _keep(self, task: asyncio.Task[None]) -> None:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _accept(self, listener: socket.socket) -> None:
-        loop = asyncio.get_running_loop()
-        while True:
-            try:
-                connected, _ = await loop.sock_accept(listener)
-            except OSError as error:
-                _log.warning("%s cannot accept a connection: %s", self._node, error)
-                await asyncio.sleep(1)
-                continue
-            if self._greeting >= MAX_GREETING:
-                connected.close()
-            else:
-                self._keep(loop.create_task(self._serve(connected)))
+    def _accept(self, listener: socket.socket) -> None:
+        """Somebody has come. A task that waits for this would lose a connection that comes as it is cancelled."""
+        try:
+            connected, _ = listener.accept()
+        except BlockingIOError:
+            return
+        except OSError as error:
+            _log.warning("%s cannot accept a connection: %s", self._node, error)
+            loop = asyncio.get_running_loop()
+            loop.remove_reader(listener)
+            loop.call_later(ACCEPT_AGAIN, self._accept_again, listener)
+            return
+        if self._greeting + len(self._ungreeted) >= MAX_GREETING:
+            connected.close()
+            return
+        connected.setblocking(False)
+        self._ungreeted.add(connected)
+        self._keep(asyncio.get_running_loop().create_task(self._serve(connected)))
+
+    def _accept_again(self, listener: socket.socket) -> None:
+        if self._listener:
+            asyncio.get_running_loop().add_reader(listener, self._accept, listener)
 
     async def _serve(self, connected: socket.socket) -> None:
+        self._ungreeted.remove(connected)
         self._greeting += 1
         try:
             async with asyncio.timeout(sockets.GREETING):
