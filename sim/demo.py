@@ -19,6 +19,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 from types import FrameType
+from typing import NoReturn
 
 import segno
 
@@ -248,10 +249,21 @@ def from_the_network(settings: Settings) -> str:
     return text + code.getvalue()
 
 
-def count(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and int(text) <= MAX_ROBOTS):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 to {MAX_ROBOTS}")
-    return int(text)
+def count(least: int) -> Callable[[str], int]:
+    """Reads a number of robots."""
+
+    def read(text: str) -> int:
+        if not (text.isascii() and text.isdigit() and least <= int(text) <= MAX_ROBOTS):
+            raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} to {MAX_ROBOTS}")
+        return int(text)
+
+    return read
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        """In one line: `make demo` names the options otherwise, so the usage would not help."""
+        self.exit(2, f"make demo: {message.removeprefix('argument ')} ({self.prog} --help lists all options)\n")
 
 
 def on_signal(signum: int, frame: FrameType | None) -> None:
@@ -259,14 +271,14 @@ def on_signal(signum: int, frame: FrameType | None) -> None:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         "ci/demo",
         description="A whole battle on this machine, until Ctrl-C.",
         epilog=describe(*VARIABLES),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    parser.add_argument("--robots", type=count, default=2, help="virtual robots with the real firmware (default 2)")
-    parser.add_argument("--bots", type=count, default=1, help="robots that a program plays (default 1)")
+    parser.add_argument("--robots", type=count(1), default=2, help="virtual robots with the real firmware (default 2)")
+    parser.add_argument("--bots", type=count(0), default=1, help="robots that a program plays (default 1)")
     add_options(parser)
     options = parser.parse_args()
     if options.bots > options.robots:

@@ -1,7 +1,7 @@
 """The demo's settings: the address and the ports of its parts. All other variables are for the parts themselves."""
 
 import secrets
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,6 +25,7 @@ from laser_bot_battle.variables import (
 )
 
 HOST = "127.0.0.1"  # where the parts meet
+MAX_PORT = 65535
 PORTS = {
     WEB: "the game",
     ROSBRIDGE: "rosbridge",
@@ -63,16 +64,30 @@ class Settings:
                     raise SettingsError(f"{other} and {variable.name} are both {port}: choose two ports")
             ports[variable.name] = port
         for variable, what in PORTS.items():
-            _check_free(bind, ports[variable.name], variable.name, what)
+            port = ports[variable.name]
+            if trouble := _trouble(bind, port):
+                free = _free_port(bind, port, {*ports.values()})
+                raise SettingsError(
+                    f"port {port} ({what}) cannot be used: {trouble}. Stop the program that uses it (perhaps another "
+                    f"demo is running), or choose another port: {variable.name}={free} make demo"
+                )
         has_token = OPERATOR_TOKEN.read(env) or OPERATOR_TOKEN_FILE.read(env)
         return cls(bind, ports, "" if has_token else secrets.token_urlsafe(12), LIGHT.read(env, default="coded"))
 
 
-def _check_free(bind: str, port: int, variable: str, what: str) -> None:
+def _trouble(bind: str, port: int) -> str:
+    """Why the port cannot be used; empty if it can."""
     try:
         listening.bind(bind, port).close()
     except OSError as error:
-        raise SettingsError(
-            f"port {port} ({what}) cannot be used: {error.strerror}. "
-            f"Stop the program that uses it, or choose another port: {variable}={port + 1} make demo"
-        ) from None
+        return error.strerror or str(error)
+    return ""
+
+
+def _free_port(bind: str, port: int, others: Collection[int]) -> int:
+    """The next one that nobody uses, nor the demo's other parts; failing that, whichever the system has."""
+    for candidate in range(port + 1, min(port + 1000, MAX_PORT) + 1):
+        if candidate not in others and not _trouble(bind, candidate):
+            return candidate
+    with listening.bind(bind, 0) as found:
+        return int(found.getsockname()[1])

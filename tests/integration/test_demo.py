@@ -133,17 +133,21 @@ def test_a_port_in_use_is_one_clear_line() -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        output = refusal(run_demo(LASERBOT_WEB_PORT=str(port)))
+        output = refusal(run_demo(LASERBOT_WEB_PORT=str(port), LASERBOT_ROSBRIDGE_PORT=str(port + 1)))
     line = output.strip().splitlines()[-1]
     assert f"port {port} (the game)" in line
-    assert f"LASERBOT_WEB_PORT={port + 1} make demo" in line
+    assert "perhaps another demo is running" in line
+    advised = re.search(r"LASERBOT_WEB_PORT=(\d+) make demo", line)
+    assert advised
+    assert int(advised[1]) > port + 1, "which is another part's"
 
 
 @pytest.mark.parametrize(
     ("words", "variables", "complaint"),
     [
-        (["--robots", "two"], {}, "'two' is not a whole number from 0 to 8"),
-        (["--robots", "9"], {}, "'9' is not a whole number from 0 to 8"),
+        (["--robots", "two"], {}, "make demo: --robots: 'two' is not a whole number from 1 to 8 (ci/demo --help"),
+        (["--robots", "0", "--bots", "0"], {}, "'0' is not a whole number from 1 to 8"),
+        (["--robots", "9"], {}, "'9' is not a whole number from 1 to 8"),
         (["--robots", "1", "--bots", "2"], {}, "2 bots cannot play with 1 robot: start more robots"),
         ([], {"LASERBOT_BIND": "192.0.2.2"}, "choose 127.0.0.1 (this machine only) or 0.0.0.0 (the network too)"),
         ([], {"LASERBOT_HIT_DAMAGE": "abc"}, "LASERBOT_HIT_DAMAGE=abc: must be a whole number from 1 to 100"),
