@@ -89,7 +89,7 @@ class BoardServer:
             return True
         if not self._refusals.take("", time.monotonic()):
             _log.warning(
-                "board at %s refused: there are %d, %d of them at its address", machine, len(self._boards), own
+                "refused a board at %s: %d boards are connected, %d from that address", machine, len(self._boards), own
             )
         return False
 
@@ -105,7 +105,7 @@ class BoardServer:
                 try:
                     child = await self._start(inherited(peer), peer.fileno(), name)
                 except OSError as error:  # the board has left meanwhile
-                    _log.warning("%s is no robot: %s", name, error.strerror)
+                    _log.warning("cannot start a robot for %s: %s", name, error.strerror)
                     return
                 peer.close()
                 try:

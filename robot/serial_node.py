@@ -98,6 +98,7 @@ def main() -> int:
         help="how long the device may take to answer (default %(default)g)",
     )
     arguments = parser.parse_args(rospy.myargv()[1:])
+    environment = dict(os.environ)
     settings = Settings.load(PROGRAM)
     priority.take(settings.priority)  # of this thread, and of those that it starts
     try:
@@ -108,7 +109,7 @@ def main() -> int:
 
     waker = Waker()
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: waker.end(STOPPED))
+        signal.signal(number, lambda *_: waker.end(STOPPED, is_final=True))
     if arguments.end_with_stdin:
         threading.Thread(target=end_with_stdin, args=[waker], name="stdin", daemon=True).start()
     name = rosgraph.names.load_mappings(sys.argv).get("__name", NODE)
@@ -133,7 +134,10 @@ def main() -> int:
         if (address := listening_address([device])) and not (device := next_board(*address, waker)):
             return 0 if waker.ended == STOPPED else 1
         with SerialPort(device, baudrate) as port:
-            return serve(port, waker, master, settings.log_level, arguments)
+            code, again = serve(port, waker, master, settings.log_level, arguments)
+            if again and not waker.is_final:  # rospy can be a node only once in a process
+                os.execve(sys.executable, sys.orig_argv, environment)
+            return code
     except (ArduinoLostError, PortError) as error:
         _log.error(LOST if isinstance(error, PortError) else "%s", error)
         return 1
@@ -150,17 +154,23 @@ def next_board(host: str, port: int, waker: Waker) -> str:
                 select.select([listener.fileno(), waker.fileno()], [], [])
                 if waker.ended is not None:
                     return ""
-                with contextlib.suppress(BlockingIOError, ConnectionError):  # it has left
+                with contextlib.suppress(BlockingIOError, ConnectionError):
                     peer, _ = listener.accept()
-                    device = inherited(peer)
+                    try:
+                        device = inherited(peer)
+                    except OSError:  # it has left
+                        peer.close()
+                        continue
                     peer.detach()
                     return device
     except OSError as error:
         raise PortError(f"cannot listen for boards on port {port}: {error.strerror}") from None
 
 
-def serve(port: SerialPort, waker: Waker, master: Master, log_level: str, arguments: argparse.Namespace) -> int:
-    """Be the node until something ends it; returns the exit code."""
+def serve(
+    port: SerialPort, waker: Waker, master: Master, log_level: str, arguments: argparse.Namespace
+) -> tuple[int, bool]:
+    """Be the node until something ends it; returns the exit code, and whether it is to wait for the next board."""
     cure_rospy()
     rospy.init_node(NODE, disable_signals=True)
     cure_services()
@@ -188,9 +198,7 @@ def serve(port: SerialPort, waker: Waker, master: Master, log_level: str, argume
         in_time.daemon = True
         in_time.start()
         rospy.signal_shutdown("serial node ends")
-    if again:  # rospy can be a node only once in a process
-        os.execv(sys.executable, sys.orig_argv)
-    return code
+    return code, again
 
 
 def end_with_stdin(waker: Waker) -> None:

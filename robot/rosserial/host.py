@@ -119,8 +119,8 @@ class Host:
         self._too_long_told = (now, count)
         return [
             Notice(
-                f"frame of {self._decoder.last_too_long} bytes from the device dropped, as {count} in all: longer than "
-                f"the {longest} that are taken from it, enlarge the buffers that its sketch tells"
+                f"dropped a frame of {self._decoder.last_too_long} bytes from the device ({count} so far): its limit "
+                f"is {longest} bytes; enlarge the buffers in its sketch"
             )
         ]
 

@@ -15,6 +15,7 @@ import time
 from collections.abc import Sequence
 
 BAUDRATE = 2_000_000  # at which a board is written to
+SLOWEST = 100_000  # at which half a frame may go on; what is lost by radio is sent again
 MAX_RATE = 250_000  # bytes/s that are read from one; what comes faster waits on the board
 MAX_UNDER_WAY = 256  # bytes that the board has not confirmed; what was sent cannot be replaced by what is newer
 BACKLOG = 32

@@ -39,6 +39,7 @@ from robot.serial.transmit_queue import BITS_PER_BYTE, TransmitQueue
 from robot.serial.waker import Waker
 
 HEAR_AGAIN = 2.0  # s between two looks for a publisher that was missed
+MAX_BROKEN = 50  # frames by TCP, which loses nothing; each may cost a look at all that came
 TICK = 0.5  # s, longest wait without looking at the time, and whether a signal came just before the wait
 
 _log = logging.getLogger(__name__)
@@ -61,7 +62,7 @@ class SerialLine:
         )
         self._parameters = Parameters(master, self._answer)
         self._device_log, self._log_budget = DeviceLogger(), LogBudget()
-        self._host = Host(time.monotonic(), BITS_PER_BYTE / port.baudrate, answer_within)
+        self._host = Host(time.monotonic(), BITS_PER_BYTE / port.slowest, answer_within)
         self._room = USUAL_PAYLOAD  # bytes, of the device's buffer
         self._lock = threading.Lock()  # for all below, and for writing to the port
         self._queue = TransmitQueue(port.baudrate)
@@ -88,6 +89,8 @@ class SerialLine:
                 data = self._port.read() if self._port.fileno() in ready else b""
                 now, wall = time.monotonic(), time.time()
                 events = self._host.receive(data, now, wall) + self._host.tick(now, wall)
+                if self._port.is_connection and self._host.broken_frames > MAX_BROKEN:
+                    raise PortError("the board sends what is no rosserial")
                 for event in self._log_budget.within(events, now):
                     self._handle(event)
                 if now >= self._hears_again_at:

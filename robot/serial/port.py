@@ -36,12 +36,12 @@ class SerialPort:
     def __init__(self, device: str, baudrate: int = BAUDRATE) -> None:
         """Opens the port for us alone; PortError says why not."""
         self.device = device
-        self.baudrate = baudrate
+        self.baudrate = self.slowest = baudrate  # the latter: of what is read
         self.is_connection = connection.is_inherited(device)  # of a board elsewhere
         try:
             if self.is_connection:
                 self.device = device.partition("#")[0]
-                self.baudrate = connection.BAUDRATE
+                self.baudrate, self.slowest = connection.BAUDRATE, connection.SLOWEST
                 self._port = Connection(device)
             else:
                 self._port = serial.serial_for_url(

@@ -9,6 +9,7 @@ class Waker:
 
     def __init__(self) -> None:
         self._end: str | None = None
+        self.is_final = False  # nobody may begin anew
         self._news = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
 
     def fileno(self) -> int:
@@ -24,8 +25,9 @@ class Waker:
         with contextlib.suppress(BlockingIOError):
             os.eventfd_read(self._news)
 
-    def end(self, reason: str) -> None:
+    def end(self, reason: str, is_final: bool = False) -> None:
         """Ask the waiting thread to end; the first reason counts."""
+        self.is_final |= is_final
         if self._end is None:
             self._end = reason
         self.wake()

@@ -1,6 +1,7 @@
 """The life of a program of the master: address, ROS master, node, work, end."""
 
 import argparse
+import contextlib
 import logging
 import os
 import signal
@@ -83,7 +84,7 @@ class Program:
         self.settings = settings
         self._environment = dict(os.environ)
         self._exit_code = 0
-        self._begins_anew = False
+        self._begins_anew = self._is_told_to_end = False
         self.ending = threading.Event()
 
     def run(self, serve: Callable[[Listener], AbstractContextManager[None]]) -> int:
@@ -131,6 +132,7 @@ class Program:
         # Python calls a handler in this thread only, and not at all if the signal comes just before the thread begins
         # to wait; but it writes the signal's number into a socket at once.
         signals, written = socket.socketpair()
+        self._signals = signals
         written.setblocking(False)
         signal.set_wakeup_fd(written.fileno())
         for number in _SIGNALS:
@@ -181,7 +183,7 @@ class Program:
     def _obey(self, signals: socket.socket, _written: socket.socket) -> None:
         while (number := signals.recv(1)) != _NO_MORE:
             if number[0] in _SIGNALS:
-                self._begins_anew = False
+                self._is_told_to_end = True
                 self.ending.set()
 
     def _end_in_time(self) -> None:
@@ -192,6 +194,13 @@ class Program:
 
     def _leave(self) -> int:
         """The exit code, unless the program begins anew."""
-        if self._begins_anew:
+        if self._begins_anew and not self._hears_signal():
             os.execve(sys.executable, sys.orig_argv, self._environment)
         return self._exit_code
+
+    def _hears_signal(self) -> bool:
+        """Also one that came after the last look, for any thread."""
+        with contextlib.suppress(BlockingIOError):
+            while number := self._signals.recv(1, socket.MSG_DONTWAIT):
+                self._is_told_to_end |= number[0] in _SIGNALS
+        return self._is_told_to_end

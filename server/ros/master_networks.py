@@ -9,6 +9,7 @@ from rosmaster.master_api import ROSMasterHandler
 from laser_bot_battle.arrival import Arrival, current, uri_for
 from laser_bot_battle.netlink import own_networks
 
+MAX_URI = 256  # characters
 MAX_ARRIVALS = 10_000  # of subscribers, which anybody may register; the oldest are forgotten
 
 Answer = tuple[int, str, Any]
@@ -48,8 +49,8 @@ class NetworksHandler(ROSMasterHandler):  # type: ignore[misc]
             super()._notify_topic_subscribers(topic, publishers, [subscriber])
 
     def _remember(self, subscriber: Any, arrival: Arrival | None) -> None:
-        if not isinstance(subscriber, str):
-            return  # and it is refused
+        if not isinstance(subscriber, str) or len(subscriber) > MAX_URI:
+            return  # it is refused, or told as everybody
         with self._arrivals_lock:
             self._arrivals.pop(subscriber, None)
             self._arrivals[subscriber] = arrival

@@ -177,8 +177,9 @@ class _Places:
     def take(self, newcomer: _Channel) -> None:
         """Another one may have to go."""
         address = newcomer.address
-        self._channels_of.setdefault(address, {})[newcomer] = None
-        self._taken += 1
+        others = self._channels_of.setdefault(address, {})
+        self._taken += newcomer not in others
+        others[newcomer] = None
         if self._taken > self._limit:
             address = max(self._channels_of, key=lambda one: len(self._channels_of[one]))
         elif len(self._channels_of[address]) <= self._share:

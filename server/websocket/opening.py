@@ -124,7 +124,7 @@ class Opening(asyncio.BufferedProtocol):
         if identity.foreign:
             self._state.log(
                 self.address,
-                f"the page of {self.address} is another web site's: it is at {origin!r:.100}, and asked for "
+                f"the page of {self.address} belongs to another web site: it comes from {origin!r:.100} and asked for "
                 f"{authority!r:.100}. If it belongs to the game, behind a proxy, name its address in LASERBOT_ORIGINS",
             )
         owner = self._state.bridge.owner(identity, self.address)

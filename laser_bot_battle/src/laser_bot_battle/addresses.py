@@ -31,7 +31,7 @@ def lan_choice() -> Choice:
     try:
         found = _interfaces()
     except OSError as error:
-        return Choice((), f"the system does not tell its networks: {error.strerror or error}", ())
+        return Choice((), f"cannot list this machine's networks: {error.strerror or error}", ())
     try:
         return choose(found, variables.INTERFACE.read(os.environ))
     except (UnknownInterfaceError, SettingsError) as error:  # it was there when the program started
@@ -54,7 +54,7 @@ def check_interface(environ: Mapping[str, str]) -> None:
     except UnknownInterfaceError as error:
         raise SettingsError(f"{variables.INTERFACE.name}={' '.join(wanted)}: {error}") from None
     except OSError as error:
-        _log.warning("the system does not tell its networks: %s", error)
+        _log.warning("cannot list this machine's networks: %s", error)
 
 
 def reachable_addresses(bind: str) -> list[LanAddress]:

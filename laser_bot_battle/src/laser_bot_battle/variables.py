@@ -133,7 +133,7 @@ BIND = words(
     "LASERBOT_BIND",
     "0.0.0.0",
     "address on which the web server, rosbridge, the cameras' relay, the front and the arena listen. `0.0.0.0`: all of "
-    "this machine's, of IPv6, too; `127.0.0.1`: for programs on this machine only, also at `::1`",
+    "this machine's addresses, IPv6 included; `127.0.0.1`: for programs on this machine only, also at `::1`",
     "`0.0.0.0` (demo: `127.0.0.1`)",
 )
 INTERFACE: Variable[tuple[str, ...]] = Variable(

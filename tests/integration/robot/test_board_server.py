@@ -163,7 +163,7 @@ def test_one_machine_has_so_many_places_and_no_more(server: Program, port: int) 
         boards = [stack.enter_context(TcpBoard(port, answers=False)) for _ in range(MAX_OF_ONE_MACHINE + 1)]
         until(lambda: boards[-1].closed)
         assert not [board for board in boards[:-1] if board.closed]
-        server.wait_for(f"board at 127.0.0.1 refused: there are {MAX_OF_ONE_MACHINE}")
+        server.wait_for(f"refused a board at 127.0.0.1: {MAX_OF_ONE_MACHINE} boards")
         server.stop()
 
 

@@ -19,7 +19,7 @@ from tests.support.programs import ROOT, Program
 PAGE = page("front.md")
 OWN, FOREIGN = "http://arena.example", "http://evil.example"
 FOREIGN_PAGE = "this page is not at the game's own address"
-OTHER_SITE = "the page of 127.0.0.1 is another web site's"
+OTHER_SITE = "the page of 127.0.0.1 belongs to another web site"
 
 
 def snippet(language: str) -> str:

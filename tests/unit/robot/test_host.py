@@ -250,8 +250,8 @@ def test_a_longer_one_is_told_as_that_and_not_as_noise_once_in_ten_seconds(joine
     notices = [event.text for event in told if isinstance(event, Notice)]
     assert len(notices) == 3
     assert notices[1] == (
-        "frame of 16385 bytes from the device dropped, as 11 in all: longer than the 16384 that are taken from it, "
-        "enlarge the buffers that its sketch tells"
+        "dropped a frame of 16385 bytes from the device (11 so far): its limit is 16384 bytes; "
+        "enlarge the buffers in its sketch"
     )
     assert all(isinstance(event, Send | Notice) for event in told)
 

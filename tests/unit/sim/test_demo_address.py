@@ -32,7 +32,7 @@ def test_a_demo_for_this_machine_only_says_nothing() -> None:
 
 
 def test_the_operators_desk_comes_with_a_token_of_its_own_or_with_yours(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(demo_settings, "_check_free", lambda *_: None)
+    monkeypatch.setattr(demo_settings, "_trouble", lambda *_: "")
     tokens = {Settings.from_env({}).new_token for _ in range(3)}
     assert len(tokens) == 3
     assert min(map(len, tokens)) >= SHORTEST
@@ -46,7 +46,7 @@ def test_the_operators_desk_comes_with_a_token_of_its_own_or_with_yours(monkeypa
 
 
 def test_a_demo_plays_with_coded_light_unless_the_environment_says_otherwise(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(demo_settings, "_check_free", lambda *_: None)
+    monkeypatch.setattr(demo_settings, "_trouble", lambda *_: "")
     assert Settings.from_env({}).light == "coded"
     assert Settings.from_env({"LASERBOT_LIGHT": "plain"}).light == "plain"
 
