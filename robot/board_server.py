@@ -12,7 +12,7 @@ import time
 from collections.abc import Iterator
 
 from laser_bot_battle import alive, variables
-from laser_bot_battle.child import until_signalled
+from laser_bot_battle.child import stop, until_signalled
 from laser_bot_battle.token_bucket import TokenBuckets
 from robot.keeper import Heart
 from robot.serial.connection import inherited, listen
@@ -20,8 +20,8 @@ from robot.serial.connection import inherited, listen
 MAX_BOARDS = 32  # at once; each is three processes
 MAX_OF_ONE_MACHINE = 8  # a router may hide several
 BURST, PERIOD = 3, 5.0  # starts of a machine's robots at once, and s for each further one
+STOP_TIMEOUT = 3.0  # s; the robot's program has to stop its own first
 SUCCESSION = 3.0  # s that a board's last connection has to end: a board that was reset has not closed it
-STOP_TIMEOUT = 3.0  # s
 REFUSALS_TOLD = 10.0  # s between two
 
 _log = logging.getLogger(__name__)
@@ -111,7 +111,7 @@ class BoardServer:
                 try:
                     await child.wait()
                 finally:
-                    await _stop(child)
+                    await stop(child, STOP_TIMEOUT)
                 _log.info("%s has gone", name)
 
     @contextlib.contextmanager
@@ -139,13 +139,3 @@ class BoardServer:
         return await asyncio.create_subprocess_exec(
             sys.executable, "-m", self._program, env={**os.environ, **own}, pass_fds=[file], process_group=0
         )
-
-
-async def _stop(child: asyncio.subprocess.Process) -> None:
-    if child.returncode is None:
-        child.terminate()
-        try:
-            await asyncio.wait_for(child.wait(), STOP_TIMEOUT)
-        except TimeoutError:
-            child.kill()
-            await child.wait()

@@ -13,11 +13,11 @@ ROLES = ROOT / "ansible" / "roles"
 PORT, MOST = 5000, 400
 
 SERVER = f"""
-import socket, time
+import signal, socket
 listeners = [socket.create_server(("0.0.0.0", {PORT}), backlog=1000)]
 listeners.append(socket.create_server(("::", {PORT}), family=socket.AF_INET6, backlog=1000))
 print("listening", flush=True)
-time.sleep(1000)
+signal.pause()  # until the test ends it
 """
 VISITOR = f"""
 import socket, sys

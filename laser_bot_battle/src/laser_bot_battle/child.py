@@ -44,16 +44,17 @@ async def run_child(
         return 1
     finally:
         ordered.cancel()
-        await _stop(child)
+        await stop(child)
         ended.cancel()
 
 
-async def _stop(child: asyncio.subprocess.Process) -> None:
+async def stop(child: asyncio.subprocess.Process, within: float = STOP_SECONDS) -> None:
+    """Ask it to end, and kill it after `within` s."""
     if child.returncode is not None:
         return
     child.terminate()
     try:
-        await asyncio.wait_for(child.wait(), STOP_SECONDS)
+        await asyncio.wait_for(child.wait(), within)
     except TimeoutError:
         child.kill()
         await child.wait()
