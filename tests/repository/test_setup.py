@@ -1,6 +1,7 @@
 """`ci/setup` on a machine that lacks something: one clear line that says what to do."""
 
 import os
+import re
 import shutil
 import subprocess
 from collections.abc import Mapping
@@ -77,3 +78,35 @@ def test_a_user_without_sudo_is_told_what_root_has_to_do(clone: Path, tmp_path: 
     code, line = setup(clone, {"PATH": str(tools)})
     assert code == 1
     assert line.startswith("Setup stopped: packages are missing. As root: apt-get install --no-install-recommends")
+
+
+def test_a_step_is_one_line_and_what_failed_shows_its_end(clone: Path, tmp_path: Path) -> None:
+    tools = tmp_path / "bin"
+    tools.mkdir()
+    for tool, script in (
+        ("id", "echo 0"),
+        ("dpkg-query", "exit 1"),
+        ("apt-get", 'for line in 1 2 3 4 5 6 7 8 9 10 11; do echo "$1: line $line"; done; [ "$1" != install ]'),
+    ):
+        (tools / tool).write_text(f"#!/bin/sh\n{script}\n")
+        (tools / tool).chmod(0o755)
+    run = subprocess.run(
+        [clone / "ci" / "setup", "run"],
+        env={**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"},
+        capture_output=True,
+        text=True,
+        timeout=30,
+        check=False,
+    )
+    assert run.returncode == 1
+    first, step = run.stdout.splitlines()
+    assert first.startswith("The first time this takes about ")
+    assert re.fullmatch(r"Debian packages: \d+ s", step)
+    told = run.stderr.strip().splitlines()
+    assert told[0] == "This failed. The end of build/setup.log:"
+    assert told[1] == "update: line 8"
+    assert told[-3] == "install: line 11"
+    assert told[-1].startswith(
+        "Setup stopped: Debian's packages could not be installed (is the network up?): python3-venv"
+    )
+    assert "update: line 1\n" in (clone / "build" / "setup.log").read_text()
