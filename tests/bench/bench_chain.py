@@ -24,10 +24,11 @@ from playwright.sync_api import Browser, Page, sync_playwright
 from sim.arena.protocol import carrier
 from tests.bench.taps import Passed, Taps, first_after, first_change
 from tests.browser.conftest import CHROMIUM, FLAGS
-from tests.support.battle import Battle, command_line, descendants
+from tests.support.battle import Battle
 from tests.support.play import keep_turning
 from tests.support.player import Player
 from tests.support.polling import until
+from tests.support.processes import command_line, descendants
 from tests.support.programs import ROOT, Program
 
 AVR_HZ = 16_000_000

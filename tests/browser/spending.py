@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import psutil
 
-from tests.support.battle import command_line, descendants
+from tests.support.processes import command_line, descendants
 
 
 def spending(act: Callable[[], object]) -> dict[str, float]:

@@ -12,12 +12,13 @@ import requests
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
-from tests.support.battle import PORTS, Battle, command_line, descendants
+from tests.support.battle import PORTS, Battle
 from tests.support.demo import Demo
 from tests.support.play import hunt_down, obeys, start
 from tests.support.player import Eyes, Player, players_and_free_robots
 from tests.support.polling import until
 from tests.support.ports import free_port
+from tests.support.processes import command_line, descendants
 from tests.support.programs import ROOT, Program
 
 

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import psutil
 
 from laser_bot_battle.master import Master
-from tests.support.battle import Battle, descendants
+from tests.support.battle import Battle
+from tests.support.processes import descendants
 
 # Pools fill up and connections stay for a while: so much more than at the beginning is no leak.
 MORE_THREADS = 4

@@ -10,9 +10,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-import psutil
-
 from tests.support.ports import free_port
+from tests.support.processes import command_line, descendants
 from tests.support.programs import ROOT, Program
 
 PORTS = (
@@ -136,15 +135,3 @@ class Paused:
     ) -> None:
         with contextlib.suppress(ProcessLookupError):  # ended meanwhile, which the test may have wanted
             os.kill(self.pid, signal.SIGCONT)
-
-
-def descendants(pid: int) -> list[psutil.Process]:
-    """All processes below `pid`."""
-    return psutil.Process(pid).children(recursive=True)
-
-
-def command_line(process: psutil.Process) -> str:
-    """The words of its command, empty when it has ended."""
-    with contextlib.suppress(psutil.NoSuchProcess):  # a zombie is none, either
-        return " ".join(process.cmdline())
-    return ""

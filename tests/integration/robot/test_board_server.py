@@ -16,9 +16,9 @@ from tests.integration.robot.conftest import Start
 from tests.integration.robot.id_service import IdService
 from tests.integration.robot.tcp_board import TcpBoard
 from tests.integration.robot.web_server import WebServer
-from tests.support.battle import command_line, descendants
 from tests.support.polling import until
 from tests.support.ports import free_port
+from tests.support.processes import command_line, descendants
 from tests.support.programs import Program
 
 HIT = encode(125)

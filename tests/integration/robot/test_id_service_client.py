@@ -15,9 +15,9 @@ from laser_bot_battle.backoff import STEADY
 from tests.integration.robot.device import Device
 from tests.integration.robot.id_service import IdService
 from tests.integration.robot.web_server import WebServer
-from tests.support.battle import command_line, descendants
 from tests.support.polling import until
 from tests.support.ports import free_port
+from tests.support.processes import command_line, descendants
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
 
