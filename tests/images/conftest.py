@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from _pytest.mark import ParameterSet
 
 from tests.support import imagefile
 from tests.support.containers import engine
@@ -45,15 +46,21 @@ def build(*targets: str, **variables: str) -> float:
     return time.monotonic() - began
 
 
-EVERY = [
-    pytest.param(
-        (image, platform),
-        id=f"{image}-{platform}",
-        marks=[] if platform in imagefile.platforms(image, fewer=True) else pytest.mark.slow,
-    )
-    for image in imagefile.IMAGES
-    for platform in sorted(imagefile.platforms(image))
-]
+HERE = "linux/amd64"
+
+
+def _every(*, emulated: bool) -> list[ParameterSet]:
+    """Each image with each of its platforms; slow are those that `make test` does not build and, without `emulated`,
+    those that this machine cannot run itself."""
+    return [
+        pytest.param((image, platform), id=f"{image}-{platform}", marks=[] if is_quick else pytest.mark.slow)
+        for image in imagefile.IMAGES
+        for platform in sorted(imagefile.platforms(image))
+        for is_quick in [platform in imagefile.platforms(image, fewer=True) and (emulated or platform == HERE)]
+    ]
+
+
+EVERY, NATIVE = _every(emulated=True), _every(emulated=False)
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import pytest
 
-from tests.images.conftest import EVERY
+from tests.images.conftest import EVERY, NATIVE
 from tests.support.containers import Container, engine
 from tests.support.imagefile import IMAGES, dockerfile
 from tests.support.polling import until
@@ -36,6 +36,11 @@ OTHER_PROGRAMS = {
 }
 
 
+on_every_platform = pytest.mark.parametrize("started", EVERY, indirect=True, scope="module")
+# what is inside does not depend on who runs it, and looking takes long in an emulator
+natively = pytest.mark.parametrize("started", NATIVE, indirect=True, scope="module")
+
+
 class Started(NamedTuple):
     """An image's own program, running for this platform."""
 
@@ -55,7 +60,7 @@ def ros_master(version: str, network: str) -> Iterator[str]:
         yield "http://master:11311"
 
 
-@pytest.fixture(scope="module", params=EVERY)
+@pytest.fixture(scope="module")
 def started(request: pytest.FixtureRequest, version: str, network: str, ros_master: str) -> Iterator[Started]:
     image, platform = request.param
     environment = {"ROS_MASTER_URI": ros_master, "LASERBOT_SERIAL": "/nowhere"}
@@ -72,6 +77,7 @@ def locked(image: str, platform: str) -> set[str]:
     return {line[1].rpartition("/")[2].partition("_")[0] for line in lines if line[0] == DEBIAN[platform]}
 
 
+@on_every_platform
 def test_its_program_works(started: Started, figures: list[str]) -> None:
     if started.image == "rosberry":  # as far as it can without an Arduino
         until(
@@ -84,17 +90,20 @@ def test_its_program_works(started: Started, figures: list[str]) -> None:
         )
 
 
+@on_every_platform
 def test_its_other_programs_start(started: Started) -> None:
     for script in OTHER_PROGRAMS[started.image]:
         assert started.sh(script)
 
 
+@natively
 def test_dpkg_knows_exactly_the_locked_packages(started: Started) -> None:
     listed = started.container.run("dpkg-query", "-W", "-f", "${Status} ${Package}\n").splitlines()
     names = {line.removeprefix("install ok installed ") for line in listed}
     assert names == locked(started.image, started.platform)
 
 
+@natively
 def test_every_file_of_the_packages_is_there_but_for_what_is_left_out(started: Started) -> None:
     left_out = [
         line.removeprefix(".").replace("*", "")
@@ -107,6 +116,7 @@ def test_every_file_of_the_packages_is_there_but_for_what_is_left_out(started: S
         assert any(all(part in path for part in pattern.split("//")) for pattern in left_out), line
 
 
+@natively
 def test_the_root_cannot_be_written_and_byte_code_is_there(started: Started) -> None:
     # with -v, Python names the file of each module's code: a cached one or, if there is none, the source
     count = "python3 -v -c 'import logging, xmlrpc.client' 2>&1 | grep -c 'code object from.*[.]py.$'"
@@ -116,11 +126,13 @@ def test_the_root_cannot_be_written_and_byte_code_is_there(started: Started) -> 
     assert started.sh(script).split() == ["10001", "read-only", "0"]
 
 
+@natively
 def test_our_parts_are_all_there(started: Started) -> None:
     parts = {"rosberry": ["laserbot.hex"], "sim": ["laserbot.elf"]}
     assert started.sh("ls /opt/laserbot/firmware 2>/dev/null; true").split() == parts.get(started.image, [])
 
 
+@on_every_platform
 def test_it_ends_when_told(started: Started) -> None:
     took = started.container.stop()
     # an emulated program takes longer for everything

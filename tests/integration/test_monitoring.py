@@ -170,6 +170,7 @@ def test_the_alerts_come_when_they_should_and_say_what_to_do() -> None:
             assert rule["annotations"].keys() == {"summary", "do"}, rule["alert"]
 
 
+@pytest.mark.slow
 def test_prometheus_and_alertmanager_take_their_configuration() -> None:
     promtool = unpacked("promtool") / "usr/bin/promtool"
     amtool = unpacked("prometheus-alertmanager") / "usr/bin/amtool"
