@@ -15,12 +15,15 @@ ROS master is lost: whoever started it starts it again.
 
 import argparse
 import contextlib
+import functools
 import logging
 import os
 import select
 import signal
 import sys
 import threading
+from collections.abc import Callable
+from typing import NoReturn
 
 from robot.installed import missing_explained
 
@@ -134,10 +137,9 @@ def main() -> int:
         if (address := listening_address([device])) and not (device := next_board(*address, waker)):
             return 0 if waker.ended == STOPPED else 1
         with SerialPort(device, baudrate) as port:
-            code, again = serve(port, waker, master, settings.log_level, arguments)
-            if again and not waker.is_final:  # rospy can be a node only once in a process
-                os.execve(sys.executable, sys.orig_argv, environment)
-            return code
+            # rospy can be a node only once in a process
+            anew = functools.partial(os.execve, sys.executable, sys.orig_argv, environment)
+            return serve(port, waker, master, settings.log_level, arguments, begin_anew=anew)
     except (ArduinoLostError, PortError) as error:
         _log.error(LOST if isinstance(error, PortError) else "%s", error)
         return 1
@@ -168,9 +170,15 @@ def next_board(host: str, port: int, waker: Waker) -> str:
 
 
 def serve(
-    port: SerialPort, waker: Waker, master: Master, log_level: str, arguments: argparse.Namespace
-) -> tuple[int, bool]:
-    """Be the node until something ends it; returns the exit code, and whether it is to wait for the next board."""
+    port: SerialPort,
+    waker: Waker,
+    master: Master,
+    log_level: str,
+    arguments: argparse.Namespace,
+    *,
+    begin_anew: Callable[[], NoReturn],
+) -> int:
+    """Be the node until something ends it, and begin anew if it is to wait for the next board; else the exit code."""
     cure_rospy()
     rospy.init_node(NODE, disable_signals=True)
     cure_services()
@@ -183,6 +191,12 @@ def serve(
     health.start()
     _log.info("%s serves %s", rospy.get_name(), port.device)
     code, again = 1, False
+
+    def leave() -> None:
+        if again and not waker.is_final:
+            begin_anew()
+        os._exit(code)
+
     try:
         reason = line.run()
         _log.info("%s ends: %s", rospy.get_name(), reason)
@@ -194,11 +208,13 @@ def serve(
     finally:
         health.stop()
         # rospy tells the ROS master, for whose answer it would wait for ever
-        in_time = threading.Timer(END_WITHIN, os._exit, [code])
+        in_time = threading.Timer(END_WITHIN, leave)
         in_time.daemon = True
         in_time.start()
         rospy.signal_shutdown("serial node ends")
-    return code, again
+    if again:
+        leave()
+    return code
 
 
 def end_with_stdin(waker: Waker) -> None:

@@ -20,6 +20,7 @@ from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.processes import command_line, descendants
 from tests.support.programs import Program
+from tests.support.ros import RosMaster
 
 HIT = encode(125)
 
@@ -148,6 +149,22 @@ def test_the_serial_node_alone_serves_one_board_after_the_other_as_rosserial_pyt
     until(lambda: node.output.count(f"waiting for a board on port {port}") == 3)
     assert node.stop(signal.SIGTERM) == 0
     assert "Traceback" not in node.output
+
+
+def test_the_next_board_does_not_wait_for_a_ros_master_that_hangs(
+    ros_master: RosMaster, start: Start, port: int
+) -> None:
+    node = start("robot.serial_node", "tcp", str(port), "__name:=Robot62")
+    begins = "laser_bot_battle.priority: "
+    node.wait_for(f"waiting for a board on port {port}")
+    with TcpBoard(port):
+        node.wait_for("/Robot62 serves")
+        ros_master.pause()
+    try:
+        until(lambda: node.output.count(begins) == 2)
+    finally:
+        ros_master.resume()
+    until(lambda: node.output.count(f"waiting for a board on port {port}") == 2)
 
 
 @pytest.mark.slow
