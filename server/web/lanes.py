@@ -24,7 +24,7 @@ class Lane(Enum):
     PAGES = auto()  # all else that people look at
 
 
-RATE, BURST = 100, 200  # requests/s of one address in a lane: a hall may share one; and at once
+RATE, BURST = 50, 200  # requests/s of one address in a lane: a hall may share one; and at once
 THREADS = {Lane.ROBOTS: 2, Lane.PLAYERS: 3, Lane.LISTS: 2, Lane.PAGES: 4}
 
 
