@@ -13,6 +13,9 @@ from laser_bot_battle.names import GAME_STATUS, command_topic, hit_topic
 from tcpros.node import Node
 from tests.support.battle import Battle
 from tests.support.light_robots import InLoop, spec
+from tests.support.polling import until
+
+LATE = 5.0  # s
 
 
 class Passed(NamedTuple):
@@ -66,11 +69,16 @@ def lives_of(data: bytes) -> dict[str, int]:
 
 
 def first_after(passed: list[Passed], moment: float) -> float:
-    """When the first one passed since `moment`; IndexError if none has."""
-    return next(one.at for one in passed if one.at >= moment)
+    """When the first one passed since `moment`: the tap itself may be a little late."""
+    return until(lambda: next((one.at for one in passed if one.at >= moment), None), LATE, "it passes a tap")
 
 
 def first_change(passed: list[Passed], name: str, moment: float) -> float:
     """When the life of that user was first another one than at `moment`."""
     before = [one for one in passed if one.at < moment][-1].what[name]  # type: ignore[index]
-    return next(one.at for one in passed if one.at >= moment and one.what.get(name) != before)  # type: ignore[attr-defined]
+
+    def changed() -> float | None:
+        after = (one for one in passed if one.at >= moment)
+        return next((one.at for one in after if one.what.get(name) != before), None)  # type: ignore[attr-defined]
+
+    return until(changed, LATE, "a changed life passes a tap")
