@@ -168,7 +168,7 @@ class Bot:
                 self._note_hits(status, loop.time())
             if status and me and fights(status, me):
                 opponents = {p.robot for p in status.players if p.ready and p.life > 0 and p is not me}
-                await rosbridge.command(self._decide(loop.time(), robot, opponents))
+                await rosbridge.command(self._decide(loop.time(), robot, opponents, status.protection))
             else:  # rosbridge itself stops a robot whose driver may no longer drive
                 self._mind = None
                 due = loop.time() > next_ready
@@ -184,8 +184,8 @@ class Bot:
         except GameError as error:
             self._tell(f"{error}; waiting")
 
-    def _decide(self, now: float, robot: int, opponents: set[int]) -> Command:
-        """What to do now; nothing while the arena does not answer."""
+    def _decide(self, now: float, robot: int, opponents: set[int], protection: float) -> Command:
+        """What to do now, when nobody can be hit for `protection` s; nothing while the arena does not answer."""
         robots = dict(self._eyes.robots())
         me = robots.pop(robot, None)
         arena = self._eyes.arena
@@ -196,7 +196,7 @@ class Bot:
             paths = Paths(arena.width, arena.height, arena.walls)
             self._mind = Mind(paths, random.Random(), SKILLS[self._settings.level])
         points = {number: pose.point for number, pose in robots.items()}
-        return self._mind.decide(now, me, points, opponents, self._hit_at)
+        return self._mind.decide(now, me, points, opponents, self._hit_at, protection=protection)
 
     def _note_hits(self, status: Status, now: float) -> None:
         robots = {player.name: player.robot for player in status.players}

@@ -40,6 +40,7 @@ class Status:
     game: int
     players: tuple[Player, ...]
     paused: bool = False
+    protection: float = 0.0  # s for which nobody can be hit
     hits: tuple[tuple[int, str], ...] = ()  # the last ones: their numbers, which grow, and who was hit
 
     @classmethod
@@ -50,7 +51,8 @@ class Status:
             for user in message["users"]
         )
         hits = tuple((int(event["number"]), str(event["name"])) for event in message["events"])
-        return cls(int(message["game"]), players, bool(message["paused"]), hits)
+        protection = float(message.get("protection", 0))  # an older master knows none
+        return cls(int(message["game"]), players, bool(message["paused"]), protection, hits)
 
 
 class Web:

@@ -90,11 +90,14 @@ class Mind:
         others: Mapping[int, Point],
         opponents: Collection[int],
         hit_at: Mapping[int, float] = MappingProxyType({}),
+        *,
+        protection: float = 0.0,
     ) -> Command:
         """The command for this moment. `others`: where the other robots are, by ID; `opponents`: the living of them;
-        `hit_at`: when which robots were last hit."""
+        `hit_at`: when which robots were last hit; `protection`: s for which nobody can be hit."""
         if self._next_shot is None:
             self._next_shot = now + self._skill.mercy
+        self._next_shot = max(self._next_shot, now + protection)
         spared = {number for number, at in hit_at.items() if now - at < self._skill.spare}
         command = self._choose(now, me, self._seen(now, others), opponents, spared)
         if self._is_stuck(now, me, command):

@@ -178,6 +178,7 @@ def _countdown_stopped(event: events.CountdownStopped, state: State, at: float) 
 def _battle_started(event: events.BattleStarted, state: State, at: float) -> None:
     state.game, state.battle, state.ends_at, state.paused_at = Game.PLAYING, event.battle, at + event.seconds, None
     state.began_at, state.teams, state.happened = at, event.teams, ()
+    state.protected_until = at + event.protection
     teams = {fighter.name: fighter.team for fighter in event.fighters}
     for user in state.users:
         user.enter_battle(teams.get(user.name, 0))
@@ -238,7 +239,8 @@ def _paused(_event: events.Paused, state: State, at: float) -> None:
 
 @_change.register
 def _resumed(_event: events.Resumed, state: State, at: float) -> None:
-    state.ends_at, state.paused_at = at + state.time_left(at), None
+    state.ends_at, state.protected_until = at + state.time_left(at), at + state.protection_left(at)
+    state.paused_at = None
 
 
 @_change.register

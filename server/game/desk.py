@@ -35,7 +35,7 @@ def start(state: State, rules: Rules, by: str) -> list[Event]:
     """The battle begins before the countdown is over."""
     if state.game is not Game.COUNTDOWN:
         raise RefusedError("no countdown runs: it begins when two players are ready")
-    return [state.next_battle(rules.battle_limit, rules.teams, by)]
+    return [state.next_battle(rules, by)]
 
 
 def abort(state: State, _rules: Rules, by: str) -> list[Event]:

@@ -194,6 +194,7 @@ class BattleStarted:
     fighters: tuple[Fighter, ...]
     by: Name = ""  # before the countdown was over
     teams: int = 0  # 0: everybody fights alone
+    protection: float = 0.0  # s in which nobody can be hit
 
     def __str__(self) -> str:
         names = ", ".join(

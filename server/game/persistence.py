@@ -23,9 +23,11 @@ ROBOTS_RETURN = 20.0
 
 def save(state: State, now: float) -> dict[str, Any]:
     """`state` at the time `now`."""
+    stands_at = now if state.paused_at is None else state.paused_at
     return {
         "game": state.game.value,
-        "left": state.ends_at - (now if state.paused_at is None else state.paused_at),
+        "left": state.ends_at - stands_at,
+        "protected": state.protected_until - stands_at,
         "paused": state.paused_at is not None,
         "battle": state.battle,
         "began": state.began_at - now,
@@ -104,11 +106,13 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             if offered is not None:
                 offered.user = waiting.name
         is_paused = bool(saved.get("paused"))
+        stood_at = now if is_paused else then
         return State(
             robots=robots,
             users=users,
             game=Game(saved["game"]),
-            ends_at=(now if is_paused else then) + float(saved["left"]),
+            ends_at=stood_at + float(saved["left"]),
+            protected_until=stood_at + float(saved.get("protected", 0)),
             paused_at=now if is_paused else None,
             battle=int(saved["battle"]),
             began_at=then + float(saved.get("began", 0)),

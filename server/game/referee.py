@@ -329,7 +329,7 @@ class Referee:
         if self._latest is None or is_old:
             self._latest, self._latest_at, self._uncounted = views.snapshot(state, self._rules, now), now, False
         else:  # while nobody waits, no seat ends: time passes for the clock only
-            self._latest = replace(self._latest, time_left=state.time_left(now))
+            self._latest = replace(self._latest, time_left=state.time_left(now), protection=state.protection_left(now))
         return self._latest
 
     def saved(self, now: float) -> dict[str, Any]:
@@ -355,7 +355,7 @@ class Referee:
             self._end_battle(now, cause)
 
     def _start_battle(self, now: float) -> None:
-        self._decide(self._state.next_battle(self._rules.battle_limit, self._rules.teams), now)
+        self._decide(self._state.next_battle(self._rules), now)
 
     def _end_battle(self, now: float, cause: str) -> None:
         self._decide(events.BattleEnded(self._state.battle, cause, self._state.ranking()), now)
@@ -369,6 +369,9 @@ class Referee:
         return user if runs and user is not None and user.is_fighting else None
 
     def _wound(self, victim: User, damage: int, by: str, now: float) -> bool:
+        """Whether it costs the victim life. The shot has met its robot in any case: it does not again later."""
+        if self._state.protection_left(now) > 0:
+            return False
         self._decide(events.Hit(victim.name, victim.robot, max(0, victim.life - damage), by), now)
         self._settle(now, f"{victim.name} was shot down")
         return True

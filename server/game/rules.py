@@ -28,6 +28,7 @@ class Rules:
     hide_cameras: bool = _chosen(variables.HIDE_CAMERAS)  # from spectators, while a battle runs
     countdown: float = _chosen(variables.COUNTDOWN)
     battle_limit: float = _chosen(variables.BATTLE_LIMIT)
+    protection: float = _chosen(variables.PROTECTION)  # from the start of a battle: nobody can be hit
     player_timeout: float = _chosen(variables.PLAYER_TIMEOUT)  # a fighter's page that is silent for so long has gone
     seat_timeout: float = _chosen(variables.SEAT_TIMEOUT)  # any other player's
     idle: float = _chosen(variables.IDLE)  # without being ready while others wait

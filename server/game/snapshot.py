@@ -64,10 +64,11 @@ class Happening:
 
 @dataclass(frozen=True, slots=True)
 class Snapshot:
-    """Everything at one moment. Two snapshots are equal when they differ in nothing but the time left and the shots."""
+    """Everything at one moment. Two snapshots are equal when they differ in nothing but times left and the shots."""
 
     game: Game
     time_left: float = field(compare=False)  # s to the battle (COUNTDOWN) or to its time limit (PLAYING), else 0
+    protection: float = field(compare=False)  # s for which nobody can be hit; 0: everybody can
     battle: int  # battles begun so far
     notice: str  # why the last countdown or battle ended; empty while one runs
     paused: bool  # by an operator: the time left stands

@@ -9,6 +9,7 @@ from server.game import events
 from server.game.people import Notice, Words
 from server.game.ranking import ranks
 from server.game.robot import Robots
+from server.game.rules import Rules
 from server.game.snapshot import Happening, Placing
 from server.game.teams import deal
 from server.game.users import User, Users, Waiting
@@ -27,6 +28,7 @@ class State:
     ends_at: float = 0.0  # of the countdown or the battle; while it is paused, as if it went on at once
     paused_at: float | None = None  # None: it is not
     battle: int = 0
+    protected_until: float = 0.0  # in it nobody can be hit before; while it is paused, as if it went on at once
     began_at: float = 0.0  # the running or the last battle
     lengths: tuple[float, ...] = ()  # s of the last battles, at most `MEASURED`
     notice: Notice = ""
@@ -48,12 +50,20 @@ class State:
             return 0.0
         return max(0.0, self.ends_at - (now if self.paused_at is None else self.paused_at))
 
-    def next_battle(self, seconds: float, teams: int, by: str = "") -> events.BattleStarted:
+    def protection_left(self, now: float) -> float:
+        """Seconds for which nobody can be hit; 0 when somebody can, and without a battle."""
+        if self.game is not Game.PLAYING:
+            return 0.0
+        return max(0.0, self.protected_until - (now if self.paused_at is None else self.paused_at))
+
+    def next_battle(self, rules: Rules, by: str = "") -> events.BattleStarted:
         """The start of a battle of all who are ready."""
         ready = self.users.get_users_ready()
-        dealt = zip(ready, deal(ready, teams), strict=True)
+        dealt = zip(ready, deal(ready, rules.teams), strict=True)
         fighters = tuple(events.Fighter(user.name, user.robot, user.avatar, team) for user, team in dealt)
-        return events.BattleStarted(self.battle + 1, seconds, fighters, by, teams)
+        return events.BattleStarted(
+            self.battle + 1, rules.battle_limit, fighters, by, rules.teams, protection=rules.protection
+        )
 
     def fighter(self, name: str) -> User | None:
         """Who fights in the running battle under that name, or has fought in it and left."""

@@ -12,6 +12,7 @@ def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
     return Snapshot(
         game=state.game,
         time_left=state.time_left(now),
+        protection=state.protection_left(now),
         battle=state.battle,
         notice=state.notice,
         paused=state.paused_at is not None,

@@ -27,6 +27,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
     return GameStatus(
         game=snapshot.game.value,
         time_left=snapshot.time_left,
+        protection=snapshot.protection,
         battle=snapshot.battle,
         notice=snapshot.notice,
         paused=snapshot.paused,

@@ -29,6 +29,7 @@ def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str,
     return {
         "game": snapshot.game.value,
         "time_left": snapshot.time_left,
+        "protection": snapshot.protection,
         "battle": snapshot.battle,
         "notice": snapshot.notice,
         "paused": snapshot.paused,

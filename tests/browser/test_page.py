@@ -186,6 +186,24 @@ def test_with_practice_one_drives_before_the_battle(person: Callable[[str], Pers
         ann.hold((0, 0, False))
 
 
+def test_while_nobody_can_be_hit_the_pages_say_so(person: Callable[[str], Person], battle: Demo) -> None:
+    battle.play_by(countdown=1, protection=4)
+    ann = person("Ann")
+    ann.log_in()
+    shield = ann.page.locator("#own-protected")
+    expect(shield).to_be_hidden()
+    hall = ann.context.new_page()
+    hall.goto(f"{battle.web}/watch")
+    with Player(battle, "Bob") as bob:
+        ann.page.locator("#ready-btn").click()
+        assert bob.ready() == "OK"
+        expect(shield).to_have_attribute("title", re.compile(r"^Safe for [1-4] s$"))
+        expect(shield.locator("b")).to_be_visible()
+        expect(hall.locator("#headline")).to_have_text(re.compile(r"^Nobody can be hit for [1-4] s$"))
+        expect(shield).to_be_hidden()
+        expect(hall.locator("#headline")).to_have_text("2 are still standing")
+
+
 def test_help_is_on_both_pages(person: Callable[[str], Person]) -> None:
     ann = person("Ann")
     for log_in in (lambda: None, ann.log_in):

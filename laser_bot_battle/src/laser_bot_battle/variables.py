@@ -217,6 +217,9 @@ COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown on
 BATTLE_LIMIT = number(
     "LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then whoever has the most life wins"
 )
+PROTECTION = number(
+    "LASERBOT_PROTECTION", 3, 0, 60, "seconds from the start of a battle in which nobody can be hit; 0: none"
+)
 PLAYER_TIMEOUT = number(
     "LASERBOT_PLAYER_TIMEOUT", 15, 1, 86400, "seconds without a sign of life until a player is out of a battle"
 )

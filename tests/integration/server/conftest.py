@@ -36,6 +36,7 @@ class GameServer:
             "LASERBOT_BIND": HOST,
             "LASERBOT_WEB_PORT": str(self.port),
             "LASERBOT_DATA": str(data),
+            "LASERBOT_PROTECTION": "0",
             **variables,
         }
         self._started: list[Program] = []

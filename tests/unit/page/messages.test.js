@@ -14,6 +14,13 @@ test("a message of the topic keeps what it says", () => {
   );
 });
 
+test("how long nobody can be hit is told by the topic only", () => {
+  const safe = fromTopic(message({ game: 2, protection: 2.5 }));
+  assert.equal(safe.protection, 2.5);
+  assert.equal(fromTopic(message()).protection, 0);
+  assert.equal(fromReply(reply({ game: 2 }), safe).protection, 0, "else it would never end");
+});
+
 test("a reply's users are JSON in JSON, ready is a number there", () => {
   const status = fromReply(reply({ game: 1, timeLeft: 9, users: al }), null);
   assert.deepEqual([status.game, status.timeLeft], [1, 9]);

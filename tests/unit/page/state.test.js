@@ -46,6 +46,15 @@ test("who plays and is refused is told so in place of PLAY!, and why", () => {
   }
 });
 
+test("while nobody can be hit, the seconds that have begun are told, to who fights by voice, too", () => {
+  assert.equal(state.protectionText(2.1), "Safe for 3 s");
+  assert.equal(state.protectionText(0), "");
+  const at = (game, protection, me) => status({ game, protection, users: [player("Ann", me)] });
+  assert.match(state.announcement(at(1, 0, ready), at(2, 3, ready), "Ann"), /PLAY!.* Safe for 3 s$/);
+  assert.doesNotMatch(state.announcement(at(1, 0, ready), at(2, 0, ready), "Ann"), /Safe/);
+  assert.doesNotMatch(state.announcement(at(1, 0, {}), at(2, 3, {}), "Ann"), /Safe/);
+});
+
 test("after the battle its players see that it is over until they are ready again", () => {
   const over = { result: [player("Ann", { place: 1 })], notice: "Battle over: Bob was shot down." };
   assert.deepEqual(text(over), { text: "Game over. Press Ready to play again.", hint: "Battle over: Bob was shot down." });

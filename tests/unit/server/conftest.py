@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -15,10 +16,11 @@ from server.store import database
 
 
 class Match:
-    """Robots 0 to `robots`-1 registered at time 1000 s; sessions are named after the players."""
+    """Robots 0 to `robots`-1 registered at time 1000 s; sessions are named after the players. Unless a test is about
+    the `protection` at the start of a battle, there is none."""
 
-    def __init__(self, robots: int = 4, rules: Rules | None = None) -> None:
-        self.rules = rules or Rules()
+    def __init__(self, robots: int = 4, rules: Rules | None = None, protection: float = 0) -> None:
+        self.rules = replace(rules or Rules(), protection=protection)
         self.referee = Referee(self.rules)
         self.now = 1000.0
         for number in range(robots):

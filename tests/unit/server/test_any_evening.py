@@ -42,15 +42,17 @@ class Evening(RuleBasedStateMachine):
         self.told = True  # whether the hits that are reported now need a shot
         self.teams: dict[str, int] = {}  # of who fights
         self.friendly_fire = False
+        self.safe_until = 0.0  # in this battle nobody can be hit before; pauses make it later
 
     @initialize(
         robots=st.integers(0, 4),
         people=st.integers(0, 6),
         light=st.sampled_from(["plain", "coded"]),
         teams=st.sampled_from([0, 2, 3, 4]),
+        protection=st.sampled_from([0.0, 1.0]),
     )
-    def some_are_there(self, robots: int, people: int, light: str, teams: int) -> None:
-        self.numbers = replace(self.numbers, light=light, teams=teams)
+    def some_are_there(self, robots: int, people: int, light: str, teams: int, protection: float) -> None:
+        self.numbers = replace(self.numbers, light=light, teams=teams, protection=protection)
         self.referee = Referee(self.numbers)
         for robot in range(robots):
             self.robot_comes(robot)
@@ -213,7 +215,7 @@ class Evening(RuleBasedStateMachine):
         """What has been decided: no hit and no start in a pause, nothing of a robot that is out of service."""
         decided = self.referee.take_journal()
         self.journal += decided
-        for event in (one.event for one in decided):
+        for at, event in ((one.at, one.event) for one in decided):
             self.note_cause(event)
             match event:
                 case events.Queued(name) | events.Left(name) | events.Seated(name):
@@ -228,6 +230,7 @@ class Evening(RuleBasedStateMachine):
                     self.paused = False
                 case events.Hit(name, _, _, by):
                     assert not self.paused
+                    assert at >= self.safe_until
                     self.note_hit(name, by)
                 case events.RulesChanged(changes) if "friendly_fire" in changes:
                     self.friendly_fire = bool(changes["friendly_fire"])
@@ -235,6 +238,7 @@ class Evening(RuleBasedStateMachine):
                     assert event.by or not self.paused
                     self.paused = False
                     self.note_teams(fighters, event.teams)
+                    self.safe_until = at + self.numbers.protection
                 case events.ServiceChanged(robot, in_service):
                     (self.out.discard if in_service else self.out.add)(robot)
                 case events.Offered(_, robot) | events.SignedUp(_, robot):

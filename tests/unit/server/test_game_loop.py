@@ -75,7 +75,7 @@ def test_players_who_sign_up_at_the_same_instant_get_different_robots(battle):
 
 
 def test_a_snapshot_is_never_empty_while_players_are_signed_in_and_hit():
-    patient = Rules(hit_damage=1, countdown=20, battle_limit=1e6, player_timeout=1e6, robot_timeout=1e6)
+    patient = Rules(hit_damage=1, countdown=20, battle_limit=1e6, protection=0, player_timeout=1e6, robot_timeout=1e6)
     ticks = itertools.count()
     battle = GameLoop(Referee(patient), clock=lambda: next(ticks) * HIT_INTERVAL)
     for index in range(4):

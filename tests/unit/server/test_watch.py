@@ -14,6 +14,7 @@ from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
 from server.pages import watch
 from server.pages.watch import players_address
+from server.ros.status import to_message
 from server.web.settings import Settings
 from server.web.watch import create_watch, public_status
 from tests.support.site import whole_site
@@ -93,6 +94,14 @@ def test_the_state_has_the_fields_of_game_status_and_no_secret(match):
     result = public_status(match.state)["result"]
     assert [(entry["name"], entry["place"]) for entry in result] == [("Al", 1), ("Bo", 2)]
     assert all(set(entry) == set(UserStatus.__slots__) - {"session"} for entry in result)
+
+
+def test_how_long_nobody_can_be_hit_is_told_everywhere(new_match):
+    match = new_match(protection=3)
+    match.start("Al", "Bo")
+    match.wait(0.5)
+    assert public_status(match.state)["protection"] == pytest.approx(2.5)
+    assert to_message(match.state).protection == pytest.approx(2.5)
 
 
 def test_the_queue_is_told_by_names(new_match):

@@ -44,6 +44,14 @@ def test_it_holds_its_fire_at_the_start_of_a_battle() -> None:
     assert shots[0] == 3.0
 
 
+def test_it_does_not_shoot_while_nobody_can_be_hit() -> None:
+    player = mind(Skill(mercy=1.0, aim_error=0.0))
+    me, opponent = Pose(1, 1, 0), {0: (1.3, 1.0)}
+    moments = [number / 10 for number in range(60)]
+    shots = [now for now in moments if player.decide(now, me, opponent, {0}, protection=max(0.0, 3 - now)).shoot]
+    assert 3.0 <= shots[0] <= 3.1
+
+
 def test_it_drives_towards_an_opponent_out_of_range() -> None:
     assert decide(mind(), Pose(0.2, 1, 0), (1.7, 1)) == Command(1, 0, False)
 

@@ -38,6 +38,7 @@ def test_a_status_is_read_from_rosbridge() -> None:
     message = {"game": GameStatus.PLAYING, "paused": True, "users": [user], "result": [], "events": [event]}
     ann = Player("Ann", 3, 90, True)
     assert Status.from_message(message) == Status(GameStatus.PLAYING, (ann,), paused=True, hits=((7, "Ann"),))
+    assert Status.from_message({**message, "protection": 2.5}).protection == 2.5
 
 
 def test_it_does_not_drive_in_a_pause() -> None:

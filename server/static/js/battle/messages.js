@@ -25,6 +25,7 @@
  * @typedef {object} Status
  * @property {0|1|2} game stopped, countdown, playing
  * @property {number} timeLeft s to the start or to the time limit
+ * @property {number} protection s for which nobody can be hit; 0: everybody can
  * @property {boolean} paused by the operator: the clock stands
  * @property {string} message the operator's words for all screens; empty without any
  * @property {number} battle number of the battle, or UNKNOWN_BATTLE
@@ -48,6 +49,7 @@ export function fromTopic(message) {
   return {
     game: message.game,
     timeLeft: message.time_left,
+    protection: message.protection ?? 0,
     paused: message.paused,
     message: message.message,
     battle: message.battle,
@@ -73,6 +75,7 @@ export function fromReply(reply, previous) {
   return {
     game: reply.game,
     timeLeft: reply.timeLeft,
+    protection: 0,
     paused: previous?.paused ?? false,
     message: previous?.message ?? "",
     battle: previous?.battle ?? UNKNOWN_BATTLE,

@@ -81,6 +81,9 @@ export function gameText(status, name, refusal = "") {
 
 const playingHint = ({ team }) => (team > 0 ? t("game.playing_team", { team: teamName(team) }) : t("game.playing_hint"));
 
+/** For how many seconds nobody can be hit, in words; empty for 0. */
+export const protectionText = (seconds) => (seconds > 0 ? t("game.protected", { n: Math.ceil(seconds) }) : "");
+
 /** Why rosbridge refuses the commands of a player in a battle, for people. `reason` is rosbridge's. */
 export function refusalText(reason) {
   if (reason.includes("only signed-in players")) return t("game.not_signed_in");
@@ -146,7 +149,8 @@ export function announcement(previous, current, name) {
     const { text, hint } = gameText(current, name);
     const last = hits.taken.at(-1);
     const end = last?.by && last.life === 0 ? t("game.out_by", { name: last.by }) : "";
-    return [...given, end, text, hint].filter(Boolean).join(" ");
+    const safe = phase === "playing" ? protectionText(current.protection) : "";
+    return [...given, end, text, hint, safe].filter(Boolean).join(" ");
   }
   if (lifeLost(previous, current, name) > 0) given.push(hurtText(findUser(current, name).life, hits.taken.at(-1)?.by));
   return given.join(" ");

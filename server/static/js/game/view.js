@@ -34,6 +34,7 @@ export function showStatus(status, name, refusal) {
   showReadyButton(state.readyButton(status, name));
   const me = state.findUser(status, name);
   if (me) showOwn(me);
+  showProtection(phase === "playing" ? status.protection : 0);
   const others = state.others(status, name);
   byId("nobody").hidden = others.length > 0;
   const waiting = byId("waiting");
@@ -77,6 +78,16 @@ function showOwn({ life, team, weak }) {
   byId("own-weak").hidden = !weak;
   setText(box.querySelector(".life-value"), t("home.life", { life }));
   setLife(box.querySelector("[role=progressbar]"), life);
+}
+
+/** A shield over the own picture, with the seconds, while nobody can be hit. */
+function showProtection(seconds) {
+  const shield = byId("own-protected");
+  shield.hidden = seconds === 0;
+  if (shield.hidden) return;
+  setText(shield.querySelector("b"), number(Math.ceil(seconds)));
+  shield.title = state.protectionText(seconds);
+  setText(shield.lastElementChild, shield.title);
 }
 
 /** Make the list's children those of `users`, each kept by name; only what has changed is touched. */

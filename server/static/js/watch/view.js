@@ -31,9 +31,10 @@ export function showStatus(status) {
   showFree(status.free);
 }
 
-function headline({ game, paused, users, teams }) {
+function headline({ game, paused, users, teams, protection }) {
   if (paused && game !== STOPPED) return t("watch.paused");
   if (game === COUNTDOWN) return t("watch.countdown");
+  if (protection > 0) return t("watch.protected", { n: Math.ceil(protection) });
   const ready = users.filter((user) => user.ready);
   const alive = ready.filter((user) => user.life > 0);
   if (game === PLAYING && teams > 0) return t("watch.alive_teams", { n: teamsOf(alive).length });
