@@ -1,4 +1,5 @@
-"""Who may do what: players drive their own robot in a running battle, operators do everything, all others watch.
+"""Who may do what: players drive their own robot in a running battle, and to practise before it, operators do
+everything, all others watch.
 
 The gate knows the battle only from /game_status, and players by the digest of their session token.
 Every rule answers with the reason for a refusal, or with an empty string for permission.

@@ -175,11 +175,11 @@ def test_a_robot_can_be_chosen_until_somebody_else_has_it(person: Callable[[str]
     assert bea.robot == 0
 
 
-def test_with_practice_one_drives_before_the_battle(person: Callable[[str], Person], battle: Demo) -> None:
+def test_a_newcomers_first_key_press_moves_the_robot(person: Callable[[str], Person], battle: Demo) -> None:
     battle.play_by(practice=True)
     ann = person("Ann")
-    ann.log_in()
     with Eyes(battle) as eyes:
+        ann.log_in()
         heading = eyes.robots()[ann.robot]["heading"]
         ann.hold((0, 1, False))
         until(lambda: eyes.robots()[ann.robot]["heading"] != heading, 10, "the keys move the robot")

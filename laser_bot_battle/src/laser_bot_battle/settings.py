@@ -73,15 +73,15 @@ def optional_port(name: str, text: str, shown: str) -> Variable[int | None]:
     return Variable(name, None, text, _whole(1, 65535), shown)
 
 
-def flag(name: str, text: str) -> Variable[bool]:
-    """0 or 1; off unless set."""
+def flag(name: str, text: str, *, default: bool = False) -> Variable[bool]:
+    """0 or 1."""
 
     def parse(given: str) -> bool:
         if given not in ("0", "1"):
             raise ValueError("must be 0 or 1")
         return given == "1"
 
-    return Variable(name, False, text, parse, "0", is_flag=True)
+    return Variable(name, default, text, parse, str(int(default)), is_flag=True)
 
 
 def globs(name: str, text: str) -> Variable[tuple[str, ...] | None]:

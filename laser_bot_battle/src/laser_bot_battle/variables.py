@@ -234,7 +234,7 @@ BATTLES_IN_ROW = whole(
     "LASERBOT_BATTLES_IN_ROW", 3, 0, 1000, "battles until a player loses the robot to somebody who waits; 0: never"
 )
 SEATS = whole("LASERBOT_SEATS", 0, 0, len(ROBOT_IDS), "robots that players may have at once; 0: all")
-PRACTICE = flag("LASERBOT_PRACTICE", "1: players may drive while no battle runs")
+PRACTICE = flag("LASERBOT_PRACTICE", "1: players may drive while neither countdown nor battle runs", default=True)
 DATA: Variable[Path] = Variable(
     "LASERBOT_DATA",
     Path("~/.local/share/laserbot"),

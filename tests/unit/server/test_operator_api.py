@@ -487,12 +487,12 @@ def test_a_robot_goes_out_of_service_and_back(site: Site) -> None:
 def test_rules_change_at_once_all_or_none_and_back(site: Site) -> None:
     site.battle()
     operator = site.operator()
-    done(operator.put("/operator/api/rules", json={"hit_damage": 60, "practice": True, "countdown": 2.5}))
+    done(operator.put("/operator/api/rules", json={"hit_damage": 60, "practice": False, "countdown": 2.5}))
     rules = operator.get("/operator/api/state").json["rules"]
     assert rules["hit_damage"] == {
         "value": 60, "default": 10, "min": 1, "max": 100, "words": [], "text": "life (of 100) that a hit takes",
     }  # fmt: skip
-    assert (rules["practice"]["value"], rules["practice"]["min"], rules["countdown"]["value"]) == (True, None, 2.5)
+    assert (rules["practice"]["value"], rules["practice"]["min"], rules["countdown"]["value"]) == (False, None, 2.5)
     site.game.hit(1)
     assert [player["life"] for player in site.state["players"]] == [100, 40]
     done(operator.put("/operator/api/rules", json={"hit_damage": None}))

@@ -19,6 +19,11 @@ def test_the_defaults_are_the_manuals() -> None:
     assert (rules.hit_damage, rules.countdown, rules.battle_limit, rules.player_timeout) == (10, 15, 300, 15)
 
 
+def test_players_practise_unless_they_must_not() -> None:
+    assert Settings.from_env({}).rules.practice
+    assert not Settings.from_env({"LASERBOT_PRACTICE": "0"}).rules.practice
+
+
 def test_every_variable_is_read() -> None:
     settings = Settings.from_env(
         {
