@@ -6,6 +6,7 @@ from functools import singledispatch
 from laser_bot_battle.names import Game, is_bot
 from server.game import events
 from server.game.events import Event
+from server.game.handicap import follow
 from server.game.ranking import ranks
 from server.game.snapshot import Happening
 from server.game.state import MEASURED, TOLD, State
@@ -179,9 +180,9 @@ def _battle_started(event: events.BattleStarted, state: State, at: float) -> Non
     state.game, state.battle, state.ends_at, state.paused_at = Game.PLAYING, event.battle, at + event.seconds, None
     state.began_at, state.teams, state.happened = at, event.teams, ()
     state.protected_until = at + event.protection
-    teams = {fighter.name: fighter.team for fighter in event.fighters}
+    fighters = {fighter.name: (fighter.team, fighter.handicap) for fighter in event.fighters}
     for user in state.users:
-        user.enter_battle(teams.get(user.name, 0))
+        user.enter_battle(*fighters.get(user.name, (0, 0)))
     _put_in_order(state)
     for waiting in state.queue:
         waiting.passed_on = False
@@ -207,6 +208,7 @@ def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
     state.result = event.result if event.counts else ()
     if event.counts:
         state.lengths = (*state.lengths, at - state.began_at)[-MEASURED:]
+        state.losing = follow(state.losing, event.result)
     state.leavers = []
     for user in state.users:
         user.battles += user.ready and event.counts

@@ -185,6 +185,7 @@ class Fighter:
     robot: int
     avatar: int
     team: int = 0  # 0: fights alone
+    handicap: int = 0  # percent of damage that hits do not take
 
 
 @dataclass(frozen=True, slots=True)

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from laser_bot_battle.names import Game
+from server.game.handicap import Losing
 from server.game.people import NEUTRAL
 from server.game.robot import Robot, Robots
 from server.game.rules import DECLARED, checked
@@ -38,6 +39,7 @@ def save(state: State, now: float) -> dict[str, Any]:
         "queue": [_save_waiting(waiting, now) for waiting in state.queue],
         "leavers": [_save_user(user, now) for user in state.leavers],
         "result": [_fields(placing) for placing in state.result],
+        "losing": [_fields(one) for one in state.losing],
         "teams": state.teams,
         "happened": [_fields(happening) for happening in state.happened],
         "happenings": state.happenings,
@@ -121,6 +123,7 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             queue=queue,
             leavers=[_restore_user(fields, then, now) for fields in saved["leavers"]],
             result=tuple(Placing(**_known(Placing, fields)) for fields in saved["result"]),
+            losing=tuple(Losing(**_known(Losing, fields)) for fields in saved.get("losing", ())),
             teams=int(saved.get("teams", 0)),
             happened=tuple(Happening(**_known(Happening, fields)) for fields in saved.get("happened", ())),
             happenings=int(saved.get("happenings", 0)),
@@ -133,11 +136,11 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
         raise ValueError(f"not a state of the game: {error!r}") from None
 
 
-def _fields(one: Placing | Happening) -> dict[str, Any]:
+def _fields(one: Placing | Losing | Happening) -> dict[str, Any]:
     return {name: getattr(one, name) for name in type(one).__slots__}
 
 
-def _known(kind: type[Placing | Happening], fields: Mapping[str, Any]) -> dict[str, Any]:
+def _known(kind: type[Placing | Losing | Happening], fields: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in fields.items() if name in kind.__slots__}
 
 
@@ -166,6 +169,7 @@ def _save_user(user: User, now: float) -> dict[str, Any]:
         "address": user.address,
         "wish": user.wish,
         "team": user.team,
+        "handicap": user.handicap,
         "shots": user.shots,
         "hits": user.hits,
         "kills": user.kills,
@@ -205,7 +209,7 @@ def _restore_user(fields: Mapping[str, Any], then: float, now: float) -> User:
         robot_gone_at=moment(fields["gone"]),
         battles=fields["battles"],
         address=fields["address"],
-        **{name: int(fields.get(name, 0)) for name in ("wish", "team", "shots", "hits", "kills")},
+        **{name: int(fields.get(name, 0)) for name in ("wish", "team", "handicap", "shots", "hits", "kills")},
     )
 
 

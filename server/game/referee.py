@@ -17,6 +17,7 @@ from laser_bot_battle.light_protocol import DAMAGES
 from laser_bot_battle.names import Game, is_bot
 from server.game import changes, desk, events, seats, views
 from server.game.events import Event, Recorded
+from server.game.handicap import damage_with
 from server.game.overview import overview
 from server.game.people import AGAIN, TIME_LIMIT
 from server.game.persistence import save
@@ -372,7 +373,8 @@ class Referee:
         """Whether it costs the victim life. The shot has met its robot in any case: it does not again later."""
         if self._state.protection_left(now) > 0:
             return False
-        self._decide(events.Hit(victim.name, victim.robot, max(0, victim.life - damage), by), now)
+        life = max(0, victim.life - damage_with(victim.handicap, damage))
+        self._decide(events.Hit(victim.name, victim.robot, life, by), now)
         self._settle(now, f"{victim.name} was shot down")
         return True
 

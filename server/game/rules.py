@@ -26,6 +26,7 @@ class Rules:
     friendly_fire: bool = _chosen(variables.FRIENDLY_FIRE)
     light_damage: bool = _chosen(variables.LIGHT_DAMAGE)  # a coded hit takes what its code says
     hide_cameras: bool = _chosen(variables.HIDE_CAMERAS)  # from spectators, while a battle runs
+    handicap: int = _chosen(variables.HANDICAP)  # percent of damage that hits spare whoever has lost several in a row
     countdown: float = _chosen(variables.COUNTDOWN)
     battle_limit: float = _chosen(variables.BATTLE_LIMIT)
     protection: float = _chosen(variables.PROTECTION)  # from the start of a battle: nobody can be hit

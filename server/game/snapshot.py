@@ -17,6 +17,7 @@ class Player:
     avatar: int
     session: str
     team: int = 0  # in a battle, or chosen for the next one; 0: everybody fights alone, or it will be dealt
+    handicap: int = 0  # percent of damage that hits do not take, in a battle or in the next one
     # in the running or the last battle
     hits: int = 0  # shots that have met somebody else, as far as that is known
     kills: int = 0

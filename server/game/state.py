@@ -6,6 +6,7 @@ from typing import Any
 
 from laser_bot_battle.names import Game
 from server.game import events
+from server.game.handicap import Losing, handicap
 from server.game.people import Notice, Words
 from server.game.ranking import ranks
 from server.game.robot import Robots
@@ -35,6 +36,7 @@ class State:
     queue: list[Waiting] = field(default_factory=list)  # for a robot, the next one first
     leavers: list[User] = field(default_factory=list)  # who was in the running battle and has gone
     result: tuple[Placing, ...] = ()
+    losing: tuple[Losing, ...] = ()  # who has won none of the last battles
     teams: int = 0  # of the running or the last battle; 0: everybody fights alone
     happened: tuple[Happening, ...] = ()  # in it, at most `TOLD`
     happenings: int = 0  # in all battles so far
@@ -60,7 +62,10 @@ class State:
         """The start of a battle of all who are ready."""
         ready = self.users.get_users_ready()
         dealt = zip(ready, deal(ready, rules.teams), strict=True)
-        fighters = tuple(events.Fighter(user.name, user.robot, user.avatar, team) for user, team in dealt)
+        fighters = tuple(
+            events.Fighter(user.name, user.robot, user.avatar, team, handicap(user.name, self.losing, rules.handicap))
+            for user, team in dealt
+        )
         return events.BattleStarted(
             self.battle + 1, rules.battle_limit, fighters, by, rules.teams, protection=rules.protection
         )

@@ -70,6 +70,7 @@ class User:
     wish: int = 0  # the team that the player has chosen; 0: none
     # of the running or the last battle
     team: int = 0  # 0: fights alone
+    handicap: int = 0  # percent of damage that hits do not take
     shots: int = 0
     hits: int = 0  # shots that have met somebody else, as far as that is known
     kills: int = 0
@@ -94,9 +95,9 @@ class User:
             return (QUIT, -self.left_at)
         return (FIGHTING, -self.life)
 
-    def enter_battle(self, team: int) -> None:
-        """A battle begins, in which the player fights for that team."""
-        self.team, self.shots, self.hits, self.kills = team, 0, 0, 0
+    def enter_battle(self, team: int, handicap: int) -> None:
+        """A battle begins, in which the player fights for that team, with that handicap."""
+        self.team, self.handicap, self.shots, self.hits, self.kills = team, handicap, 0, 0, 0
 
     def revive(self) -> None:
         """Full life for a new battle."""

@@ -2,6 +2,7 @@
 
 from laser_bot_battle.names import Game
 from server.game import seats
+from server.game.handicap import handicap
 from server.game.rules import Rules
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.state import State
@@ -41,6 +42,7 @@ def player(user: User, state: State, rules: Rules, now: float) -> Player:
     ends = seats.seat_ends(state, rules).get(user.name)
     seat_left = 0.0 if ends is None else max(0.1, ends - now)
     wish = user.wish if user.wish <= rules.teams else 0
+    is_playing = state.game is Game.PLAYING
     return Player(
         name=user.name,
         robot=user.robot,
@@ -48,7 +50,8 @@ def player(user: User, state: State, rules: Rules, now: float) -> Player:
         ready=user.ready,
         avatar=user.avatar,
         session=user.session,
-        team=user.team if state.game is Game.PLAYING else wish,
+        team=user.team if is_playing else wish,
+        handicap=user.handicap if is_playing else handicap(user.name, state.losing, rules.handicap),
         hits=user.hits,
         kills=user.kills,
         shots=user.shots,

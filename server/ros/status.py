@@ -48,6 +48,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
                 session=player.session,
                 seat_left=player.seat_left,
                 team=player.team,
+                handicap=player.handicap,
                 shots=player.shots,
                 hits=player.hits,
                 kills=player.kills,

@@ -42,12 +42,18 @@ def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str,
         "queue": [waiter.name for waiter in snapshot.queue],
         "users": [
             _person(
-                player, ready=player.ready, place=0, seat_left=player.seat_left, left=False, weak=player.robot in weak
+                player,
+                ready=player.ready,
+                place=0,
+                seat_left=player.seat_left,
+                left=False,
+                handicap=player.handicap,
+                weak=player.robot in weak,
             )
             for player in snapshot.players
         ],
         "result": [
-            _person(placing, ready=False, place=placing.place, seat_left=0.0, left=placing.left, weak=False)
+            _person(placing, ready=False, place=placing.place, seat_left=0.0, left=placing.left, handicap=0, weak=False)
             for placing in snapshot.result
         ],
         "events": [

@@ -213,6 +213,13 @@ LIGHT_DAMAGE = flag("LASERBOT_LIGHT_DAMAGE", "1: a hit by coded light takes what
 HIDE_CAMERAS = flag(
     "LASERBOT_HIDE_CAMERAS", "1: while a battle runs, spectators do not see through the robots' cameras"
 )
+HANDICAP = whole(
+    "LASERBOT_HANDICAP",
+    0,
+    0,
+    90,
+    "percent of a hit's damage that it does not take from a player who has lost three battles in a row; 0: none",
+)
 COUNTDOWN = number("LASERBOT_COUNTDOWN", 15, 0.1, 3600, "seconds of countdown once two players are ready")
 BATTLE_LIMIT = number(
     "LASERBOT_BATTLE_LIMIT", 300, 1, 86400, "seconds until a battle ends; then whoever has the most life wins"

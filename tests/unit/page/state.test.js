@@ -55,6 +55,14 @@ test("while nobody can be hit, the seconds that have begun are told, to who figh
   assert.doesNotMatch(state.announcement(at(1, 0, {}), at(2, 3, {}), "Ann"), /Safe/);
 });
 
+test("whoever takes less damage is told so before the battle, with the reason", () => {
+  const hint = (handicap) => text({ game: 1, time_left: 9 }, { ready: true, handicap }).hint;
+  assert.equal(hint(30), "You lost three battles in a row: now hits take 30% less from you.");
+  assert.notEqual(hint(0), hint(30));
+  assert.equal(state.handicapText(player("Bob", { handicap: 30 })), "30% less damage");
+  assert.equal(state.handicapText(player("Bob")), "");
+});
+
 test("after the battle its players see that it is over until they are ready again", () => {
   const over = { result: [player("Ann", { place: 1 })], notice: "Battle over: Bob was shot down." };
   assert.deepEqual(text(over), { text: "Game over. Press Ready to play again.", hint: "Battle over: Bob was shot down." });

@@ -180,6 +180,7 @@ class Evening(RuleBasedStateMachine):
                 "teams": st.sampled_from([None, 2, 3, 4]),
                 "friendly_fire": st.booleans(),
                 "light_damage": st.booleans(),
+                "handicap": st.sampled_from([None, 50]),
             },
         )
     )

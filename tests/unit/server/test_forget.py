@@ -13,6 +13,7 @@ from sqlalchemy import Connection, create_engine, insert, select
 from laser_bot_battle.names import Game
 from server.game import changes, events
 from server.game.events import Event, Fighter, kind_of, to_json
+from server.game.handicap import Losing
 from server.game.people import AGAIN, BY_OPERATOR, TIME_LIMIT
 from server.game.persistence import save
 from server.game.robot import Robots
@@ -89,6 +90,7 @@ def saved(who: str, word: str, ended: Event) -> dict[str, Any]:
     state = State(robots, users, Game.PLAYING, battle=3, queue=[Waiting("Ada", word, 1, 0.0, 0.0, address=word)])
     changes.apply(state, ended, 10.0)
     state.leavers = [User(who, 1, word, 2, seen=0.0, left_at=5.0)]
+    state.losing = (Losing(who, 2), Losing("Zoë", 1))
     state.result = (Placing(name=who, robot=1, life=20, avatar=2, place=1, left=True),)
     state.happened = (Happening(1, "Zoë", who, 90), Happening(2, who, "", 90))
     state.rules, state.words, state.message = {"light": word}, (word, "Zoë"), f"({who})"

@@ -11,6 +11,7 @@
  * @property {number} seat_left s until the robot passes on to others unless the player gets ready; 0: it stays
  * @property {boolean} left in a result: gone before the end
  * @property {number} team 1 to the status's teams; 0: fights alone, or the referee will deal it
+ * @property {number} handicap percent of damage that hits do not take from this player
  * @property {number} shots fired in the running or the last battle
  * @property {number} hits of them that have met somebody, as far as the light tells
  * @property {number} kills of them that took the last life
@@ -42,7 +43,7 @@
 /** The battle's number when only /updateGameStatus has been heard. */
 export const UNKNOWN_BATTLE = -1;
 
-const UNTOLD = { team: 0, shots: 0, hits: 0, kills: 0, weak: false }; // by a server that knows neither teams nor shooters
+const UNTOLD = { team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, weak: false }; // by a server that knows neither teams nor shooters
 
 /** @returns {Status} from a laser_bot_battle/GameStatus of /game_status */
 export function fromTopic(message) {

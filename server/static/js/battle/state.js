@@ -64,7 +64,7 @@ export function gameText(status, name, refusal = "") {
     case "over":
       return { text: t("game.over"), hint: notice };
     case "countdown":
-      return { text: t("game.countdown", { n }), hint: t("game.countdown_hint") };
+      return { text: t("game.countdown", { n }), hint: handicapHint(findUser(status, name)) || t("game.countdown_hint") };
     case "joinable":
       return { text: t("game.countdown", { n }), hint: t("game.joinable_hint") };
     case "playing":
@@ -80,6 +80,11 @@ export function gameText(status, name, refusal = "") {
 }
 
 const playingHint = ({ team }) => (team > 0 ? t("game.playing_team", { team: teamName(team) }) : t("game.playing_hint"));
+
+const handicapHint = ({ handicap }) => (handicap > 0 ? t("game.handicap_own", { n: handicap }) : "");
+
+/** How much less damage a player takes than others, in words; empty if it is as much. */
+export const handicapText = ({ handicap }) => (handicap > 0 ? t("game.handicap", { n: handicap }) : "");
 
 /** For how many seconds nobody can be hit, in words; empty for 0. */
 export const protectionText = (seconds) => (seconds > 0 ? t("game.protected", { n: Math.ceil(seconds) }) : "");

@@ -72,10 +72,12 @@ function showReadyButton({ ready, text, hidden }) {
   button.hidden = hidden;
 }
 
-function showOwn({ life, team, weak }) {
+function showOwn(me) {
+  const { life, team, weak } = me;
   const box = byId("userLife");
   showMark(byId("own-team"), team, true);
   byId("own-weak").hidden = !weak;
+  showHandicap(byId("own-handicap"), me);
   setText(box.querySelector(".life-value"), t("home.life", { life }));
   setLife(box.querySelector("[role=progressbar]"), life);
 }
@@ -88,6 +90,13 @@ function showProtection(seconds) {
   setText(shield.querySelector("b"), number(Math.ceil(seconds)));
   shield.title = state.protectionText(seconds);
   setText(shield.lastElementChild, shield.title);
+}
+
+function showHandicap(sign, user) {
+  const text = state.handicapText(user);
+  sign.hidden = text === "";
+  sign.title = text;
+  setText(sign.lastElementChild, text);
 }
 
 /** Make the list's children those of `users`, each kept by name; only what has changed is touched. */
@@ -123,6 +132,7 @@ function makeRival(name) {
       makeMark(),
       element("strong", { className: "user-name" }, name),
       element("span", { className: "kills", hidden: true }),
+      element("span", { className: "handicap", hidden: true }, icon("shield"), element("span", { className: "visually-hidden" })),
     ),
     element("span", { className: "badge" }),
     element("span", { className: "user-sign" }),
@@ -137,6 +147,7 @@ function fillRival(row, user, game) {
   row.dataset.team = user.team;
   showMark(row.querySelector(".team-mark"), user.team);
   showKills(row.querySelector(".kills"), game === state.PLAYING ? user.kills : 0);
+  showHandicap(row.querySelector(".handicap"), user);
   setText(row.querySelector(".badge"), percent(user.life));
   setLife(row.querySelector(".bar"), user.life);
 }

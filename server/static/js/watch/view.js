@@ -4,7 +4,7 @@ import { avatarUrl } from "../common/assets.js";
 import { element, lifeBar, setLife, setPicture, setText } from "../common/dom.js";
 import { leadersView } from "../results/leaders.js";
 import { podiumView } from "../results/podium.js";
-import { clockText, COUNTDOWN, PLAYING, STOPPED } from "../battle/state.js";
+import { clockText, COUNTDOWN, handicapText, PLAYING, STOPPED } from "../battle/state.js";
 import { makeMark, showMark } from "../battle/team_view.js";
 import { byTeam, teamsOf } from "../battle/teams.js";
 import { list, percent, t } from "../common/words.js";
@@ -99,7 +99,8 @@ function fillRow(row, user, game) {
   showMark(row.querySelector(".team-mark"), user.team);
   const robot = t("watch.robot", { n: user.robot });
   const kills = game === PLAYING && user.kills > 0 ? `, ${t("podium.kills", { n: user.kills })}` : "";
-  setText(row.querySelector(".watch-robot"), robot + kills);
+  const handicap = handicapText(user);
+  setText(row.querySelector(".watch-robot"), robot + kills + (handicap && `, ${handicap}`));
   setText(row.querySelector(".watch-life"), text);
   const bar = row.querySelector(".bar");
   bar.hidden = game !== PLAYING || !user.ready;
