@@ -189,6 +189,15 @@ def _battle_started(event: events.BattleStarted, state: State, at: float) -> Non
 
 
 @_change.register
+def _joined(event: events.Joined, state: State, at: float) -> None:
+    user = state.users.user(event.name)
+    user.enter_battle(0, event.handicap)
+    user.revive()
+    user.life, user.ready, user.ready_since = event.life, True, at
+    _put_in_order(state)
+
+
+@_change.register
 def _hit(event: events.Hit, state: State, at: float) -> None:
     user = state.users.user(event.name)
     user.wound(event.life, at)

@@ -205,6 +205,20 @@ class BattleStarted:
 
 
 @dataclass(frozen=True, slots=True)
+class Joined:
+    """Fights from now on in the battle that runs, alone."""
+
+    name: Name
+    robot: int
+    avatar: int
+    life: int
+    handicap: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.name} (robot {self.robot}) joins the battle, life {self.life}"
+
+
+@dataclass(frozen=True, slots=True)
 class Hit:
     name: Name  # who was hit
     robot: int
@@ -360,6 +374,7 @@ Event = (
     | CountdownStarted
     | CountdownStopped
     | BattleStarted
+    | Joined
     | Hit
     | BattleEnded
     | StoodStill

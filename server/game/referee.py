@@ -224,9 +224,9 @@ class Referee:
     def set_ready(self, name: str, ready: bool, session: str, now: float) -> Verdict:
         """OK, STARTED, UNKNOWN_USER, NOT_YOURS or ROBOT_AWAY. To say the same again changes nothing."""
         self.tick(now)
-        if self._state.game is Game.PLAYING:
-            return Verdict.STARTED
         user = self._named(name)
+        if self._state.game is Game.PLAYING:
+            return self._join(user, session, now) if ready else Verdict.STARTED
         if not isinstance(user, User):
             return Verdict.UNKNOWN_USER
         if user.session != session:
@@ -361,6 +361,13 @@ class Referee:
     def _end_battle(self, now: float, cause: str) -> None:
         self._decide(events.BattleEnded(self._state.battle, cause, self._state.ranking()), now)
         self._settle_seats(now)
+
+    def _join(self, user: User | Waiting | None, session: str, now: float) -> Verdict:
+        """Somebody wants to be in the battle that runs: OK or STARTED."""
+        if not isinstance(user, User) or user.session != session or not self._state.may_join(user, self._rules):
+            return Verdict.STARTED
+        self._decide(self._state.join(user, self._rules), now)
+        return Verdict.OK
 
     def _fighter_on(self, robot_id: int) -> User | None:
         """Who drives that robot, alive in a battle that runs."""

@@ -20,9 +20,11 @@ def replay(recorded: Iterable[Recorded]) -> tuple[Placing, ...]:
             case events.BattleStarted(_, _, fighters):
                 state = State()
                 for fighter in fighters:
-                    changes.apply(state, events.RobotCame(fighter.robot, None), one.at)
-                    changes.apply(state, events.SignedUp(fighter.name, fighter.robot, "", fighter.avatar), one.at)
+                    _seat(state, fighter, one.at)
                     changes.apply(state, events.ReadyChanged(fighter.name, True), one.at)
+                changes.apply(state, one.event, one.at)
+            case events.Joined():
+                _seat(state, one.event, one.at)
                 changes.apply(state, one.event, one.at)
             case events.Hit() | events.Left() | events.Unseated() if state.users.get_user(one.event.name):
                 changes.apply(state, one.event, one.at)
@@ -35,3 +37,8 @@ def replay(recorded: Iterable[Recorded]) -> tuple[Placing, ...]:
                         fought.shots = placing.shots
                 result = state.ranking()
     return result
+
+
+def _seat(state: State, fighter: events.Fighter | events.Joined, at: float) -> None:
+    changes.apply(state, events.RobotCame(fighter.robot, None), at)
+    changes.apply(state, events.SignedUp(fighter.name, fighter.robot, "", fighter.avatar), at)

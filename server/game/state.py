@@ -13,7 +13,7 @@ from server.game.robot import Robots
 from server.game.rules import Rules
 from server.game.snapshot import Happening, Placing
 from server.game.teams import deal
-from server.game.users import User, Users, Waiting
+from server.game.users import User, Users, Waiting, is_same_name
 
 TOLD = 8  # of what has happened in a battle, the newest
 MEASURED = 5  # battles, by which waiting times are told
@@ -69,6 +69,22 @@ class State:
         return events.BattleStarted(
             self.battle + 1, rules.battle_limit, fighters, by, rules.teams, protection=rules.protection
         )
+
+    def is_open(self, rules: Rules) -> bool:
+        """Whether the battle that runs can still be joined."""
+        return rules.late_join and self.game is Game.PLAYING and not self.teams and self.paused_at is None
+
+    def may_join(self, user: User, rules: Rules) -> bool:
+        """Whether this player can still join the battle that runs. Nobody fights in it twice: neither under the same
+        name nor, under another one, with the same robot."""
+        has_left = any(is_same_name(one.name, user.name) or one.robot == user.robot for one in self.leavers)
+        return self.is_open(rules) and not user.ready and not has_left and user.robot_gone_at is None
+
+    def join(self, user: User, rules: Rules) -> events.Joined:
+        """The player joins with no more life than the weakest has."""
+        life = min(fighter.life for fighter in self.users.get_users_alive())
+        spared = handicap(user.name, self.losing, rules.handicap)
+        return events.Joined(user.name, user.robot, user.avatar, life, spared)
 
     def fighter(self, name: str) -> User | None:
         """Who fights in the running battle under that name, or has fought in it and left."""

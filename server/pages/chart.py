@@ -44,7 +44,7 @@ def _line(course: Course, place: int, length: float) -> Line:
         return f"{(1 - life / FULL_LIFE) * HEIGHT + place * _APART:.1f}"
 
     (_, life), *hits = course.lives
-    path = f"M0 {y(life)}"
+    path = f"M{x(course.joined) if course.joined else 0} {y(life)}"
     for at, life in hits:
         path += f"H{x(at)}V{y(life)}"
     end = length if course.out is None else course.out

@@ -242,7 +242,9 @@ def _moments(courses: Iterable[Course]) -> list[dict[str, Any]]:
     """What happened, in its order; `at` in s since the battle began."""
     moments: list[dict[str, Any]] = []
     for course in courses:
-        hits = course.lives[1:]
+        (joined, life), *hits = course.lives
+        if joined > 0:
+            moments.append({"at": joined, "name": course.name, "what": "joined", "life": life, "by": None})
         moments += [
             {"at": at, "name": course.name, "what": "hit", "life": life, "by": by or None}
             for (at, life), by in zip(hits, course.shooters, strict=True)

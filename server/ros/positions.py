@@ -27,12 +27,13 @@ class PositionsListener:
     def follow(self, snapshot: Snapshot) -> None:
         """A listener of the game; does not block."""
         battle = snapshot.battle if snapshot.game is Game.PLAYING else None
+        robots = [player.robot for player in snapshot.players if player.ready]
         with self._lock:
-            if battle == (self._track and self._track.battle):
+            if self._track and self._track.battle == battle:
+                self._track.add(robots)
                 return
             self._end()
             if battle is not None:
-                robots = [player.robot for player in snapshot.players if player.ready]
                 self._track = Track(battle, robots, snapshot.time_left)
 
     def stop(self) -> None:

@@ -6,7 +6,8 @@ from typing import Any
 
 from server.game.users import FULL_LIFE
 
-KINDS = ("BattleStarted", "Hit", "Left", "Unseated", "RobotGone")  # the events that matter here, by server.game.events
+# the events that matter here, by server.game.events
+KINDS = ("BattleStarted", "Joined", "Hit", "Left", "Unseated", "RobotGone")
 
 
 @dataclass(slots=True)
@@ -23,6 +24,11 @@ class Course:
     shooters: list[str] = field(default_factory=list)  # of each hit taken, "" if the light does not tell
     given: int | None = 0  # hits, of others than the own team; None: of some hits of the battle nobody knows whose
     kills: int | None = 0  # likewise
+
+    @property
+    def joined(self) -> float:
+        """When the fighter began; 0: with the battle."""
+        return self.lives[0][0]
 
     @property
     def life(self) -> int:
@@ -66,6 +72,8 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
                     Course(one["name"], one["robot"], one["avatar"], team=one.get("team", 0))
                     for one in data["fighters"]
                 ]
+            case "Joined":
+                found.append(Course(data["name"], data["robot"], data["avatar"], [(now, data["life"])]))
             case "Hit":
                 _hit(found, data, now)
             case "Left" | "Unseated":

@@ -66,6 +66,10 @@ class Track:
         self._began: float | None = None
         self._piece: Piece | None = None
 
+    def add(self, robots: Collection[int]) -> None:
+        """These fight, too, by now."""
+        self._robots = sorted({*self._robots, *robots})
+
     def see(self, at: float, floor: Floor, poses: Mapping[int, Pose]) -> Piece | None:
         """What is seen at `at` (monotonic s); returns the piece that is complete by it."""
         if at < self._due or not floor.is_real:
@@ -76,7 +80,8 @@ class Track:
         period = self._period * 2 ** int((at - self._began) / self._seconds)
         self._due = max(self._due, at - period) + period  # one that comes late does not thin the next ones
         done = None
-        if self._piece and (self._piece.floor != floor or at - self._piece.times[0] >= PIECE):
+        piece = self._piece
+        if piece and (piece.floor != floor or at - piece.times[0] >= PIECE or piece.robots.keys() != {*self._robots}):
             done = self.take()
         if self._piece is None:
             self._piece = Piece(self.battle, floor, robots={robot: [] for robot in self._robots})

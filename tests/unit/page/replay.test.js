@@ -43,6 +43,12 @@ test("life, hits and the end of a fighter come from the time line", () => {
   assert.deepEqual(fighterAt(timeline, "bob", 3.1), { life: 100, hit: false, out: true });
 });
 
+test("who has joined later is not there before, and has the life with which it was", () => {
+  const late = [{ at: 5, name: "cy", what: "joined", life: 40 }];
+  assert.deepEqual(fighterAt(late, "cy", 4.9), { life: 100, hit: false, out: true });
+  assert.deepEqual(fighterAt(late, "cy", 5), { life: 40, hit: false, out: false });
+});
+
 test("a battle that has not ended is as long as its track", () => {
   assert.equal(lengthOf({ seconds: 7.5, timeline: [{ at: 7 }], track }), 7.5);
   assert.equal(lengthOf({ seconds: 7.5, timeline: [{ at: 7.5001 }], track }), 7.501, "the last moment can be seen");

@@ -124,6 +124,14 @@ test("there is no ready button for the ready in the countdown, and for all in th
   assert.equal(hidden(2, ready), true);
 });
 
+test("who is not in the battle may still join it where the server says so", () => {
+  const late = (me) => status({ game: 2, late_join: true, users: [player("Ann", me), player("Bob", ready)] });
+  assert.deepEqual(state.readyButton(late({}), "Ann"), { ready: false, text: "Join in", hidden: false });
+  assert.equal(state.readyButton(late(ready), "Ann").hidden, true);
+  assert.equal(state.readyButton(late({ ready: true, life: 0 }), "Ann").hidden, true);
+  assert.match(state.gameText(late({}), "Ann").hint, /^You can still join/);
+});
+
 test("signs tell ready, out and not ready", () => {
   const sign = (user, game) => {
     const { symbol, meaning } = state.userSign(player("Bob", user), game);

@@ -181,6 +181,7 @@ class Evening(RuleBasedStateMachine):
                 "friendly_fire": st.booleans(),
                 "light_damage": st.booleans(),
                 "handicap": st.sampled_from([None, 50]),
+                "late_join": st.booleans(),
             },
         )
     )
@@ -240,6 +241,10 @@ class Evening(RuleBasedStateMachine):
                     self.paused = False
                     self.note_teams(fighters, event.teams)
                     self.safe_until = at + self.numbers.protection
+                case events.Joined(name):
+                    assert not self.paused
+                    assert name not in self.teams
+                    self.teams[name] = 0
                 case events.ServiceChanged(robot, in_service):
                     (self.out.discard if in_service else self.out.add)(robot)
                 case events.Offered(_, robot) | events.SignedUp(_, robot):

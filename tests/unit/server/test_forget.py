@@ -60,6 +60,7 @@ def happened(who: str, word: str) -> list[Event]:
         events.CountdownStopped(f"{who} is no longer ready"),
         events.CountdownStopped(BY_OPERATOR, who),
         events.BattleStarted(3, 300.0, (Fighter(who, 1, 2), Fighter("Zoë", 2, 3)), who),
+        events.Joined(who, 1, 2, 90),
         events.Hit(who, 1, 90, "Zoë"),
         events.Hit("Zoë", 2, 0, who),
         events.BattleEnded(3, TIME_LIMIT, placings),

@@ -50,6 +50,17 @@ def test_only_who_fights_is_kept_and_who_is_not_seen_is_nowhere():
     assert piece.robots == {3: [(1, 1, 0), None], 5: [None, (1, 1, 0)]}
 
 
+def test_who_joins_the_battle_later_is_kept_from_then_on():
+    track = Track(1, [3], 300)
+    track.see(0.0, FLOOR, {3: (1, 1, 0), 5: (1, 1, 0)})
+    track.add([3, 5])
+    pieces = [track.see(1.0, FLOOR, {3: (1, 1, 0), 5: (2, 1, 0)}), track.take()]
+    assert [piece and piece.robots for piece in pieces] == [{3: [(1, 1, 0)]}, {3: [(1, 1, 0)], 5: [(2, 1, 0)]}]
+    whole = join(piece.to_json(0.0) for piece in pieces if piece)
+    assert whole
+    assert whole["robots"]["5"] == [None, (2, 1, 0)]
+
+
 def test_a_floor_that_cannot_be_is_not_seen():
     track = Track(1, [0], 300)
     for floor in (Floor(0, 1, ()), Floor(math.nan, 1, ()), Floor(1, 1, ((0, 0, math.inf, 1),))):

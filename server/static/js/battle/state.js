@@ -73,7 +73,7 @@ export function gameText(status, name, refusal = "") {
     case "out":
       return { text: t("game.out"), hint: t("game.out_hint") };
     case "watching":
-      return { text: t("game.watching"), hint: t("game.watching_hint") };
+      return { text: t("game.watching"), hint: t(status.lateJoin ? "game.late_join_hint" : "game.watching_hint") };
     default:
       return { text: t("game.looking"), hint: "" };
   }
@@ -103,13 +103,15 @@ export function clockText(seconds) {
 }
 
 /**
- * The ready button: there is none for whom it would change nothing. Whoever is ready in the countdown stays so; nobody
- * changes it in a battle.
+ * The ready button: there is none for whom it would change nothing. Whoever is ready in the countdown stays so; in a
+ * battle, it is for those who may still join.
  */
 export function readyButton(status, name) {
   const ready = findUser(status, name)?.ready ?? false;
-  const useless = status.game === PLAYING || (status.game === COUNTDOWN && ready);
-  return { ready, text: t(ready ? "game.is_ready" : "game.ready"), hidden: useless };
+  const joins = status.game === PLAYING && status.lateJoin && !ready;
+  const useless = (status.game === PLAYING && !joins) || (status.game === COUNTDOWN && ready);
+  const key = joins ? "game.join" : ready ? "game.is_ready" : "game.ready";
+  return { ready, text: t(key), hidden: useless };
 }
 
 /** What a player may choose of the teams: null if there are none, or not now. */

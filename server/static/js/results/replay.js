@@ -30,14 +30,15 @@ export function poseAt(track, robot, at) {
   return { x: x + part * (after[0] - x), y: y + part * (after[1] - y), heading: heading + part * turn(heading, after[2]) };
 }
 
-/** How the fighter was: { life, hit (just now), out (dead, or left) }. */
+/** How the fighter was: { life, hit (just now), out (dead, left, or not there yet) }. */
 export function fighterAt(timeline, name, at) {
   const own = timeline.filter((moment) => moment.name === name && moment.at <= at);
   const life = own.at(-1)?.life ?? FULL_LIFE;
+  const isEarly = timeline.some((moment) => moment.name === name && moment.what === "joined" && moment.at > at);
   return {
     life,
     hit: own.some((moment) => moment.what === "hit" && at - moment.at < FLASH),
-    out: life === 0 || own.some((moment) => moment.what === "left"),
+    out: isEarly || life === 0 || own.some((moment) => moment.what === "left"),
   };
 }
 
