@@ -37,6 +37,7 @@ class Rules:
     battles_in_row: int = _chosen(variables.BATTLES_IN_ROW)  # while others wait; 0: as many as one likes
     seats: int = _chosen(variables.SEATS)  # robots that are given to players at once; 0: all
     practice: bool = _chosen(variables.PRACTICE)  # driving without a battle
+    practice_beside: bool = _chosen(variables.PRACTICE_BESIDE)  # driving while others fight
     late_join: bool = _chosen(variables.LATE_JOIN)  # joining a battle that runs
     robot_timeout: float = 3.0  # within the 2 to 4 s of the manual's sweep
     robot_return: float = 10.0  # a robot's program that starts again needs 5 to 8

@@ -79,6 +79,7 @@ class Snapshot:
     players: tuple[Player, ...]  # in ranking order
     queue: tuple[Waiter, ...]  # the next one first
     practice: bool  # whether players may drive without a battle
+    practice_beside: bool  # likewise, beside a battle of others
     late_join: bool  # whether players may still join the battle that runs
     result: tuple[Placing, ...]  # of the last battle, best first; empty from the next countdown on
     teams: int  # of the running battle, or of the next one; 0: everybody fights alone

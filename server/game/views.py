@@ -23,6 +23,7 @@ def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
         players=tuple(player(user, state, rules, now) for user in state.users),
         queue=tuple(_waiter(waiting, place, state, rules, now) for place, waiting in enumerate(state.queue, 1)),
         practice=rules.practice,
+        practice_beside=rules.practice_beside,
         late_join=state.is_open(rules),
         result=state.result,
         teams=state.teams if state.game is Game.PLAYING else rules.teams,

@@ -34,6 +34,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
         message=snapshot.message,
         available_robots=snapshot.available_robots,
         practice=snapshot.practice,
+        practice_beside=snapshot.practice_beside,
         late_join=snapshot.late_join,
         teams=snapshot.teams,
         coded=snapshot.coded,

@@ -32,7 +32,7 @@ class Gate(People):
         """What `globs` leave out is refused to operators, too."""
         super().__init__(operator_token, clock)
         self._globs = globs
-        self._playing = self._practising = self._paused = False
+        self._playing = self._practising = self._beside = self._paused = False
         self.coded = False
         """whether the robots' light is coded"""
         self._heard = float("-inf")
@@ -53,6 +53,7 @@ class Gate(People):
         self._playing, self._heard = status.game == GameStatus.PLAYING, now
         self._paused, self.coded = status.paused, status.coded
         self._practising = status.practice and status.game == GameStatus.STOPPED
+        self._beside = status.practice_beside
         self.hear(status)
 
     @staticmethod
@@ -87,7 +88,7 @@ class Gate(People):
             obstacle = "no battle is running"
         elif self._paused:
             obstacle = "the battle is paused"
-        elif not player.ready:
+        elif not player.ready and not self._beside:
             obstacle = "not in this battle"
         elif player.life == 0:
             obstacle = "dead"
@@ -101,6 +102,13 @@ class Gate(People):
         if who.operator or (abs(linear_x) <= 1 and abs(angular_z) <= 1):
             return
         raise self.refusal("publish", f"linear_x and angular_z must be -1, 0 or 1, not {linear_x} and {angular_z}")
+
+    def granted(self, who: Identity, command: bytes) -> bytes:
+        """What the robot gets of a serialized Robot_msg: whoever only practises beside a battle has no light there."""
+        player = self.player(who)
+        if self._playing and player is not None and not player.ready and not who.operator:
+            return command[:2] + bytes(1)
+        return command
 
     def refuses_subscribing(self, who: Identity, topic: str, type_name: str) -> str:
         if who.operator:

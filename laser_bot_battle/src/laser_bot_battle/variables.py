@@ -242,6 +242,9 @@ BATTLES_IN_ROW = whole(
 )
 SEATS = whole("LASERBOT_SEATS", 0, 0, len(ROBOT_IDS), "robots that players may have at once; 0: all")
 PRACTICE = flag("LASERBOT_PRACTICE", "1: players may drive while neither countdown nor battle runs", default=True)
+PRACTICE_BESIDE = flag(
+    "LASERBOT_PRACTICE_BESIDE", "1: who has a robot and is not in the battle may drive while it runs, without shooting"
+)
 LATE_JOIN = flag(
     "LASERBOT_LATE_JOIN",
     "1: who has a robot may still join a battle without teams that runs, with the life of its weakest living fighter",

@@ -93,6 +93,7 @@ class Publishing(Capability):
         data = serialized(message_type, request.fields.get("msg", {}), client.clock.now)
         if topic in COMMAND_TOPICS:
             client.gate.check_command(client.identity, data)
+            data = client.gate.granted(client.identity, data)
             client.drivers.commanded(client, client.identity, topic, data)
             shots = client.drivers.shots.commanded(topic, data, client.gate.coded, now)
         if topic not in self._advertised:

@@ -232,6 +232,16 @@ test("where practice is allowed, one may drive without a battle, but not in a co
   assert.equal(state.mayDrive(status({ practice: true }), "al"), false);
 });
 
+test("beside a battle of others one may drive where the rule says so", () => {
+  const values = { game: 2, practice_beside: true };
+  assert.ok(state.mayDrive(status({ ...values, users: [player("al")] }), "al"));
+  assert.ok(!state.mayDrive(status({ ...values, users: [player("al", { ready: true, life: 0 })] }), "al"), "but not after death");
+  assert.ok(!state.mayDrive(status({ ...values, game: 1, users: [player("al")] }), "al"), "nor in a countdown");
+  assert.ok(!state.mayDrive(status({ ...values, paused: true, users: [player("al")] }), "al"));
+  assert.ok(!state.mayDrive(status(values), "al"));
+  assert.match(text(values).hint, /you can drive; your laser is off/);
+});
+
 test("screen readers hear who has hit whom, as far as the light tells", () => {
   const fight = (ann, bob, events) => status({ game: 2, battle: 1, users: [player("Ann", { ready: true, life: ann }), player("Bob", { ready: true, life: bob })], events });
   const said = (...states) => state.announcement(...states, "Ann");

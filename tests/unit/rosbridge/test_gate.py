@@ -59,6 +59,24 @@ def test_practice_is_driving_while_no_battle_runs() -> None:
         assert rules.refuses_publishing(BO, "/Robot1/command", 0.0) != "", "no player, no practice"
 
 
+def test_beside_a_battle_of_others_one_drives_where_the_rule_says_so_but_does_not_shoot() -> None:
+    rules = gate(STOPPED)
+    al, bo, cy = user("al", 0, ready=False), user("bo", 1), user("cy", 2, life=0)
+    for game, beside, may in ((PLAYING, True, True), (PLAYING, False, False), (COUNTDOWN, True, False)):
+        rules.update(GameStatus(game=game, practice_beside=beside, users=[al, bo, cy]), 0.0)
+        assert (rules.refuses_publishing(AL, "/Robot0/command", 0.0) == "") is may, (game, beside)
+    rules.update(GameStatus(game=PLAYING, practice_beside=True, users=[al, bo, cy]), 0.0)
+    assert "dead" in rules.refuses_publishing(session_identity("token-of-cy"), "/Robot2/command", 0.0)
+    assert rules.granted(AL, SHOT) == NEUTRAL
+    assert rules.granted(AL, FORWARD) == FORWARD
+    assert rules.granted(BO, SHOT) == SHOT
+    assert rules.granted(OPERATOR, SHOT) == SHOT
+    rules.update(GameStatus(game=STOPPED, practice=True, users=[al, bo, cy]), 0.0)
+    assert rules.granted(AL, SHOT) == SHOT, "without a battle it disturbs nobody"
+    rules.update(GameStatus(game=PLAYING, practice_beside=True, paused=True, users=[al, bo, cy]), 0.0)
+    assert "paused" in rules.refuses_publishing(AL, "/Robot0/command", 0.0)
+
+
 @pytest.mark.parametrize(
     ("rules", "reason"),
     [

@@ -6,6 +6,8 @@ from typing import Any
 import pytest
 
 from laser_bot_battle.light_protocol import COOLDOWN, PLAIN_PERIOD
+from laser_bot_battle.msg import GameStatus, UserStatus
+from laser_bot_battle.names import session_digest
 from server.access.identity import Identity, session_identity
 from server.rosbridge.effects import Publish
 from server.rosbridge.shots import Shots
@@ -81,3 +83,12 @@ def test_the_referee_says_by_which_light_shots_are_counted(coded: bool, told: bo
     al = server.client(session_identity(TOKEN))
     say(al, 0.0, **SHOOTING)
     assert (Publish("/shots", b"\x03") in say(al, 0.45, **SHOOTING)) == told
+
+
+def test_who_practises_beside_a_battle_drives_without_shooting() -> None:
+    server = Server()
+    al = UserStatus(name="al", robot=3, life=100, session=session_digest(TOKEN))
+    server.gate.update(GameStatus(game=GameStatus.PLAYING, users=[al], practice_beside=True), 0.0)
+    command = {**SHOOTING, "msg": {"linear_x": 1, "angular_z": 0, "shoot": True}}
+    effects = say(server.client(session_identity(TOKEN)), 0.0, **command)
+    assert [each.data for each in effects if isinstance(each, Publish)] == [DRIVE]

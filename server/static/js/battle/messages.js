@@ -31,6 +31,7 @@
  * @property {string} message the operator's words for all screens; empty without any
  * @property {number} battle number of the battle, or UNKNOWN_BATTLE
  * @property {boolean} practice whether players may drive while it is stopped
+ * @property {boolean} practiceBeside whether who is not in the battle may drive while it runs, without shooting
  * @property {boolean} lateJoin whether players may still join the battle that runs
  * @property {number} queue how many people wait for a robot
  * @property {string} notice why the last countdown or battle ended
@@ -57,6 +58,7 @@ export function fromTopic(message) {
     battle: message.battle,
     notice: message.notice,
     practice: message.practice,
+    practiceBeside: message.practice_beside ?? false,
     lateJoin: message.late_join ?? false,
     queue: message.queue.length,
     users: message.users.map((user) => ({ ...UNTOLD, ...user })),
@@ -84,6 +86,7 @@ export function fromReply(reply, previous) {
     battle: previous?.battle ?? UNKNOWN_BATTLE,
     notice: previous?.notice ?? "",
     practice: previous?.practice ?? false,
+    practiceBeside: previous?.practiceBeside ?? false,
     lateJoin: previous?.lateJoin ?? false,
     queue: previous?.queue ?? 0,
     users: JSON.parse(reply.users).map((user) => ({

@@ -39,8 +39,9 @@ export function findUser(status, name) {
 /** Whether this player's commands count now. */
 export function mayDrive(status, name) {
   if (status.paused) return false;
-  const practising = status.practice && status.game === STOPPED && findUser(status, name) !== null;
-  return practising || phaseOf(status, name) === "playing";
+  const phase = phaseOf(status, name);
+  if (phase === null) return false;
+  return phase === "playing" || (status.practice && status.game === STOPPED) || (status.practiceBeside && phase === "watching");
 }
 
 /**
@@ -73,10 +74,15 @@ export function gameText(status, name, refusal = "") {
     case "out":
       return { text: t("game.out"), hint: t("game.out_hint") };
     case "watching":
-      return { text: t("game.watching"), hint: t(status.lateJoin ? "game.late_join_hint" : "game.watching_hint") };
+      return { text: t("game.watching"), hint: t(watchingHint(status)) };
     default:
       return { text: t("game.looking"), hint: "" };
   }
+}
+
+function watchingHint({ lateJoin, practiceBeside }) {
+  if (lateJoin) return "game.late_join_hint";
+  return practiceBeside ? "game.practice_beside" : "game.watching_hint";
 }
 
 const playingHint = ({ team }) => (team > 0 ? t("game.playing_team", { team: teamName(team) }) : t("game.playing_hint"));
