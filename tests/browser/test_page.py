@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 
 import psutil
 import pytest
@@ -11,6 +12,7 @@ from tests.browser.people import WITHOUT_CAMERAS, Person
 from tests.browser.weight import Weight
 from tests.support.battle import Paused
 from tests.support.demo import Demo
+from tests.support.play import start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
@@ -202,6 +204,23 @@ def test_while_nobody_can_be_hit_the_pages_say_so(person: Callable[[str], Person
         expect(hall.locator("#headline")).to_have_text(re.compile(r"^Nobody can be hit for [1-4] s$"))
         expect(shield).to_be_hidden()
         expect(hall.locator("#headline")).to_have_text("2 are still standing")
+
+
+def test_who_waits_while_others_fight_sees_the_arena_and_who_they_are(
+    person: Callable[..., Person], battle: Demo, screenshots: Path
+) -> None:
+    ann = person("Ann", arena=True)
+    with Player(battle, "Bob") as bob, Player(battle, "Cy") as cy:
+        start(bob, cy)
+        ann.page.locator("#username").fill("Ann")
+        ann.page.locator("#username").press("Enter")
+        expect(ann.page.locator("#queue-battle")).to_have_text("In the battle: Bob and Cy")
+        expect(ann.page.locator("body")).to_have_class(re.compile("has-arena"))
+        ann.page.screenshot(path=screenshots / "queue-battle.png")
+        panel, size = ann.page.locator("#login").bounding_box(), ann.page.viewport_size
+        assert panel
+        assert size
+        assert panel["y"] > size["height"] / 2, "the middle of the arena is free"
 
 
 def test_help_is_on_both_pages(person: Callable[[str], Person]) -> None:

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { queueText, waitText } from "../../../server/static/js/battle/queue.js";
-import "./samples.js";
+import { battleText, queueText, waitText } from "../../../server/static/js/battle/queue.js";
+import { player, status } from "./samples.js";
 
 test("who waits learns the place and about how long it takes", () => {
   assert.match(queueText({ place: 1, offer: null, seconds: 100 }).title, /next/);
@@ -18,4 +18,10 @@ test("an offer names the robot, the first too, and the time to take it", () => {
 
 test("times are said as people say them", () => {
   assert.deepEqual([5, 59, 89, 91, 600].map(waitText), ["a minute", "one minute", "one minute", "2 minutes", "10 minutes"]);
+});
+
+test("who waits reads who is in the battle", () => {
+  const users = [player("Ann", { ready: true }), player("Bob", { ready: true, life: 0 }), player("Cy", { ready: true }), player("Dee")];
+  assert.equal(battleText(status({ game: 2, users })), "In the battle: Ann and Cy");
+  assert.equal(battleText(status({ game: 0, users })), "");
 });

@@ -1,6 +1,7 @@
 // The words for those who wait for a robot. Pure.
 
-import { t } from "../common/words.js";
+import { list, t } from "../common/words.js";
+import { STOPPED } from "./state.js";
 
 /** What /session says of somebody who waits.
  * @typedef {{user: string, place: number, offer: number|null, seconds: number}} Waiter */
@@ -10,6 +11,12 @@ export function queueText({ place, offer, seconds }) {
   if (offer !== null) return { title: t("queue.offer", { id: offer }), text: t("queue.offer_text", { n: seconds }) };
   const title = place === 1 ? t("queue.next") : t("queue.place", { n: place });
   return { title, text: t("queue.wait", { time: waitText(seconds) }) };
+}
+
+/** Who fights meanwhile, or is about to; empty without a battle. @param {import("./messages.js").Status} status */
+export function battleText({ game, users }) {
+  const fighters = users.filter((user) => user.ready && user.life > 0);
+  return game === STOPPED ? "" : t("queue.battle", { names: list(fighters.map((user) => user.name)) });
 }
 
 /** Seconds as people say them. */

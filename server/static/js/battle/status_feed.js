@@ -1,6 +1,7 @@
 // The state of the battle for who only watches: rosbridge's /game_status, and the server's /watch.json while rosbridge has
 // no place or does not answer. It says nothing of this browser's player.
 
+import { watchedStatus } from "../common/api.js";
 import { fromTopic } from "./messages.js";
 
 // As often as people can follow. The newest state waits, so that none is lost.
@@ -16,7 +17,6 @@ const RETRY = 250; // ms to the second attempt; each later one takes twice as lo
 const MOST_RETRY = 15_000; // ms
 const POLL = 2000; // ms between two questions by HTTP
 const LOST_AFTER = 2; // questions in a row without an answer
-const TIMEOUT = 4000; // ms
 
 /**
  * @typedef {import("./messages.js").Status & {waiting: string[], free: number}} WatchedStatus
@@ -27,20 +27,9 @@ const TIMEOUT = 4000; // ms
 /** @returns {WatchedStatus} from a laser_bot_battle/GameStatus */
 const read = (message) => ({ ...fromTopic(message), waiting: message.queue, free: message.available_robots });
 
-/** Asks the server. It is nobody's sign of life: no cookie goes along. */
-async function askServer() {
-  const response = await fetch("/watch.json", {
-    cache: "no-store",
-    credentials: "omit",
-    signal: AbortSignal.timeout(TIMEOUT),
-  });
-  if (!response.ok) throw new Error(`/watch.json: ${response.status}`);
-  return response.json();
-}
-
 const browser = {
   open: (url) => new WebSocket(url),
-  ask: askServer,
+  ask: watchedStatus,
   later(ms, act) {
     const timer = setTimeout(act, ms);
     return () => clearTimeout(timer);

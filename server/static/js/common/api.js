@@ -40,6 +40,13 @@ export async function gameStatus() {
   return reply;
 }
 
+/** The state of the battle for who only watches, a laser_bot_battle/GameStatus. It is nobody's sign of life: no cookie goes along. */
+export async function watchedStatus() {
+  const response = await fetch("/watch.json", { cache: "no-store", credentials: "omit", signal: AbortSignal.timeout(TIMEOUT) });
+  if (!response.ok) throw new Error(`/watch.json: ${response.status}`);
+  return response.json();
+}
+
 /**
  * Whose the session cookie is: {status: "OK", user, robot, ticket}; of somebody who waits for a robot, {status: "QUEUED", user,
  * place, offer, seconds} (see queue.js); or {status: "UNREGISTERED"}.

@@ -12,7 +12,9 @@ import { vibrate } from "../common/jolt.js";
 import { isValidName, loginDialog } from "./login.js";
 import { connectPreferences } from "../common/preferences.js";
 import { Preferences } from "../common/preferences_store.js";
-import { queueText } from "../battle/queue.js";
+import { fromTopic } from "../battle/messages.js";
+import { arenaPlayers } from "../battle/players.js";
+import { battleText, queueText } from "../battle/queue.js";
 import { Speaker } from "../common/speaker.js";
 import * as storage from "../common/storage.js";
 import { t } from "../common/words.js";
@@ -36,6 +38,7 @@ const feedback = new Feedback({ speaker, vibrate });
 let avatar = Math.floor(Math.random() * storage.AVATARS);
 let entered = false; // the page goes
 let busy = false;
+let arena = null; // the ArenaView, where there is one
 
 function showAvatar() {
   picture.src = avatarUrl(avatar);
@@ -64,10 +67,11 @@ function enter({ user, robot }) {
 /** Show the queue until there is a robot, or the visitor goes. */
 async function waitForRobot() {
   for (;;) {
-    const session = await api.session().catch(() => null);
+    const [session, battle] = await Promise.all([api.session(), api.watchedStatus()].map((asked) => asked.catch(() => null)));
     if (session?.status === "OK") return enter(session);
     if (session?.status === "UNREGISTERED") break;
     if (session) showQueue(session);
+    if (battle) showBattle(fromTopic(battle));
     await new Promise((resolve) => setTimeout(resolve, POLL));
   }
   if (!take.hidden) {
@@ -91,6 +95,12 @@ function showQueue(session) {
     take.focus();
   }
   take.hidden = session.offer === null;
+}
+
+/** What there is to see meanwhile: who is who in the arena, and who fights. */
+function showBattle(status) {
+  arena?.show(arenaPlayers(status, null));
+  setText(document.getElementById("queue-battle"), battleText(status));
 }
 
 /** A player who is still signed in from this browser may go on, or give the robot back. What the server no longer knows is forgotten. */
@@ -181,7 +191,7 @@ addEventListener("pageshow", (event) => event.persisted && location.reload()); /
 function openArena() {
   const url = arenaAddress();
   if (!url) return;
-  new ArenaView({
+  arena = new ArenaView({
     frame: document.getElementById("arena"),
     url,
     onState: (arena) => document.body.classList.toggle("has-arena", arena === "live"),
