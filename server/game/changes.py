@@ -8,7 +8,7 @@ from server.game import events
 from server.game.events import Event
 from server.game.handicap import follow
 from server.game.ranking import ranks
-from server.game.snapshot import Happening
+from server.game.snapshot import Happening, Placing
 from server.game.state import MEASURED, TOLD, State
 from server.game.teams import are_friends
 from server.game.users import User, Waiting, is_same_name
@@ -182,7 +182,7 @@ def _battle_started(event: events.BattleStarted, state: State, at: float) -> Non
     state.protected_until = at + event.protection
     fighters = {fighter.name: (fighter.team, fighter.handicap) for fighter in event.fighters}
     for user in state.users:
-        user.enter_battle(*fighters.get(user.name, (0, 0)))
+        user.enter_battle(*fighters.get(user.name, (0, 0)), at)
     _put_in_order(state)
     for waiting in state.queue:
         waiting.passed_on = False
@@ -191,7 +191,7 @@ def _battle_started(event: events.BattleStarted, state: State, at: float) -> Non
 @_change.register
 def _joined(event: events.Joined, state: State, at: float) -> None:
     user = state.users.user(event.name)
-    user.enter_battle(0, event.handicap)
+    user.enter_battle(0, event.handicap, at)
     user.revive()
     user.life, user.ready, user.ready_since = event.life, True, at
     _put_in_order(state)
@@ -214,7 +214,7 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
 @_change.register
 def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
     state.game, state.notice, state.paused_at = Game.STOPPED, f"Battle over: {event.cause}.", None
-    state.result = event.result if event.counts else ()
+    state.result = tuple(timed(placing, state, at) for placing in event.result) if event.counts else ()
     if event.counts:
         state.lengths = (*state.lengths, at - state.began_at)[-MEASURED:]
         state.losing = follow(state.losing, event.result)
@@ -222,6 +222,12 @@ def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
     for user in state.users:
         user.battles += user.ready and event.counts
         user.ready, user.idle_since = False, at
+
+
+def timed(placing: Placing, state: State, at: float) -> Placing:
+    """With how long the player has fought, when the battle ends now."""
+    fighter = state.fighter(placing.name)
+    return replace(placing, seconds=fighter.fought(at) if fighter else 0.0)
 
 
 # ---- time and the operators ----

@@ -173,6 +173,8 @@ def _save_user(user: User, now: float) -> dict[str, Any]:
         "shots": user.shots,
         "hits": user.hits,
         "kills": user.kills,
+        "taken": user.taken,
+        "fights": user.fights_since - now,
     }
 
 
@@ -209,7 +211,8 @@ def _restore_user(fields: Mapping[str, Any], then: float, now: float) -> User:
         robot_gone_at=moment(fields["gone"]),
         battles=fields["battles"],
         address=fields["address"],
-        **{name: int(fields.get(name, 0)) for name in ("wish", "team", "handicap", "shots", "hits", "kills")},
+        fights_since=then + fields.get("fights", 0.0),
+        **{name: int(fields.get(name, 0)) for name in ("wish", "team", "handicap", "shots", "hits", "kills", "taken")},
     )
 
 

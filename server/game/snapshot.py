@@ -51,6 +51,8 @@ class Placing:
     shots: int = 0  # fired
     hits: int = 0  # of them that have met somebody else, as far as that is known
     kills: int = 0
+    taken: int = 0  # hits that have cost life
+    seconds: float = 0.0  # to the end, or until the player was out
 
 
 @dataclass(frozen=True, slots=True)

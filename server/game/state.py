@@ -106,6 +106,7 @@ class State:
                 shots=user.shots,
                 hits=user.hits,
                 kills=user.kills,
+                taken=user.taken,
             )
             for rank, user in ranked
         )

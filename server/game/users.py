@@ -69,11 +69,13 @@ class User:
     address: str = ""  # a mark of the page's, "" if it is not known
     wish: int = 0  # the team that the player has chosen; 0: none
     # of the running or the last battle
+    fights_since: float = 0.0
     team: int = 0  # 0: fights alone
     handicap: int = 0  # percent of damage that hits do not take
     shots: int = 0
     hits: int = 0  # shots that have met somebody else, as far as that is known
     kills: int = 0
+    taken: int = 0  # hits of others that have cost life
 
     @property
     def is_fighting(self) -> bool:
@@ -95,9 +97,15 @@ class User:
             return (QUIT, -self.left_at)
         return (FIGHTING, -self.life)
 
-    def enter_battle(self, team: int, handicap: int) -> None:
-        """A battle begins, in which the player fights for that team, with that handicap."""
-        self.team, self.handicap, self.shots, self.hits, self.kills = team, handicap, 0, 0, 0
+    def enter_battle(self, team: int, handicap: int, now: float) -> None:
+        """From now on the player fights for that team, with that handicap."""
+        self.team, self.handicap, self.fights_since = team, handicap, now
+        self.shots = self.hits = self.kills = self.taken = 0
+
+    def fought(self, now: float) -> float:
+        """s in the battle, which is over now: to the end, or until the player was out."""
+        out = [at for at in (self.died_at, self.left_at) if at is not None]
+        return min(out, default=now) - self.fights_since
 
     def revive(self) -> None:
         """Full life for a new battle."""
@@ -107,6 +115,7 @@ class User:
     def wound(self, life: int, now: float) -> None:
         """After a hit, `life` is left."""
         self.life = life
+        self.taken += 1
         if life == 0:
             self.died_at = now
 

@@ -54,6 +54,8 @@ def create_results(results: Results) -> Blueprint:
     pages.add_app_template_filter(duration)
     pages.add_app_template_filter(moment)
     pages.add_app_template_filter(by_day)
+    pages.add_app_template_filter(figures)
+    pages.add_app_template_filter(percent)
     _add_battles(pages, results)
     _add_leaderboard(pages, results)
 
@@ -313,6 +315,21 @@ def duration(seconds: float | None) -> str:
     minutes, second = divmod(round(seconds), 60)
     hours, minute = divmod(minutes, 60)
     return f"{hours}:{minute:02}:{second:02}" if hours else f"{minute}:{second:02}"
+
+
+def figures(fighter: Fighter) -> str:
+    """How a fighter fared, as short as it goes, in the reader's language."""
+    told = [t("podium.life", life=fighter.life)]
+    if fighter.given is not None:
+        hits = t("results.hits", n=fighter.given)
+        told.append(hits if fighter.accuracy is None else f"{hits} ({percent(fighter.accuracy)})")
+    if fighter.kills:
+        told.append(t("podium.kills", n=fighter.kills))
+    return ", ".join(told)
+
+
+def percent(share: float) -> str:
+    return t("results.percent", n=round(100 * share))
 
 
 def moment(unix: float) -> datetime:

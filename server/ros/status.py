@@ -70,6 +70,8 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
                 shots=placing.shots,
                 hits=placing.hits,
                 kills=placing.kills,
+                taken=placing.taken,
+                seconds=placing.seconds,
             )
             for placing in snapshot.result
         ],

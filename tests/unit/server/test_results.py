@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import re
 import sqlite3
 from contextlib import closing
 from datetime import datetime
@@ -399,6 +400,12 @@ def test_who_shot_whom_kills_and_accuracy_are_told(told, browser):
         ("ada", 1, 1, 4, 2, 1, 0.5),
         ("cy", 1, 1, 0, 0, 0, None),
         ("bob", 3, 2, 1, 1, 0, 1.0),
+    ]
+    listed = browser.get("/results").text
+    assert re.findall(r'class="figures">(.*?)<', listed) == [
+        "Life 50, 2 hits (50%), 1 taken out",
+        "Life 50, 0 hits",
+        "Life 0, 1 hit (100%)",
     ]
     shown = browser.get("/results/1")
     assert "was hit by ada" in shown.text

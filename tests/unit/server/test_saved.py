@@ -75,6 +75,21 @@ def test_who_died_first_is_still_last(match):
     assert match.ranking == [(1, "ada"), (2, "bob"), (3, "cyd")]
 
 
+def test_the_result_tells_hits_and_time_of_the_whole_battle(match):
+    match.start("ada", "bob", "cyd")
+    match.hit("bob", 3)
+    match.wait(2)
+    match.restart(pause=5.0)
+    match.hit("bob", 7)
+    match.wait(4)
+    match.hit("cyd", 10)
+    placings = [match.placing(name) for name in ("ada", "bob", "cyd")]
+    assert [placing.taken for placing in placings] == [0, 10, 10]
+    lasted, bob, cyd = (placing.seconds for placing in placings)
+    assert bob + 4 < lasted == cyd
+    assert bob > 7
+
+
 def test_sessions_are_kept(match):
     match.sign_up("ada")
     match.restart()

@@ -15,6 +15,8 @@
  * @property {number} shots fired in the running or the last battle
  * @property {number} hits of them that have met somebody, as far as the light tells
  * @property {number} kills of them that took the last life
+ * @property {number} taken in a result: hits of others that cost life
+ * @property {number} seconds in a result: in the battle
  * @property {boolean} weak whether the robot has too little voltage
  *
  * @typedef {object} Hit
@@ -45,7 +47,7 @@
 /** The battle's number when only /updateGameStatus has been heard. */
 export const UNKNOWN_BATTLE = -1;
 
-const UNTOLD = { team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, weak: false }; // by a server that knows neither teams nor shooters
+const UNTOLD = { team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, weak: false }; // by a server that knows neither teams nor shooters
 
 /** @returns {Status} from a laser_bot_battle/GameStatus of /game_status */
 export function fromTopic(message) {

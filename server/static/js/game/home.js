@@ -26,7 +26,6 @@ import { Session, signedOut, whoAmI } from "./session.js";
 import { Speaker } from "../common/speaker.js";
 import * as state from "../battle/state.js";
 import * as storage from "../common/storage.js";
-import { OwnStats } from "./own_stats.js";
 import { TeamChoice } from "../battle/team_view.js";
 import * as view from "./view.js";
 import { t } from "../common/words.js";
@@ -46,7 +45,6 @@ class Game {
   #driver;
   #arena;
   #ownCamera;
-  #stats;
   #feed = new FeedList(byId("feed"));
   #quality = new LinkQuality();
   #pulse = new Worker(document.querySelector("meta[name=pulse]").content);
@@ -67,7 +65,6 @@ class Game {
   constructor(me, arena) {
     this.#me = me;
     this.#arena = arena;
-    this.#stats = new OwnStats(me.name, () => performance.now());
     this.#session = new Session({
       me,
       onEnd: (message, ms) => this.#leave(message, ms),
@@ -120,7 +117,6 @@ class Game {
         const sent = this.#connection.publish(me.robot, command);
         if (!sent || !command.shoot || this.#refusal || !this.#feedback.fire(performance.now())) return;
         this.#laser.fire();
-        this.#stats.shot();
       },
       every: (ms, act) => {
         const timer = setInterval(act, ms);
@@ -167,7 +163,6 @@ class Game {
     if (state.mayDrive(status, name) && !this.#signingOut) this.#driver.start();
     else this.#stopDriving();
     if (me.avatar !== this.#me.avatar && this.#connection.up) this.#me.avatar = me.avatar;
-    this.#stats.take(previous, status);
     view.showPlayer(this.#me);
     view.showStatus(status, name, this.#refusal);
     this.#teams.show(state.teamChoice(status, name));
@@ -213,7 +208,7 @@ class Game {
   }
 
   async #showResult(status) {
-    const answer = await showResult(status, this.#me.name, this.#stats.values);
+    const answer = await showResult(status, this.#me.name);
     if (answer === "ok") this.#setReady(true);
     else if (answer === "give") this.#signOut("/watch");
   }

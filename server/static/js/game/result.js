@@ -30,13 +30,13 @@ function outcomeOfTeam(result, name) {
 }
 
 /**
- * What a player did in a battle, in words.
- * @param {{hits: number, shots: number, seconds: number}} stats what the page has counted: see own_stats.js
- * @param {import("../battle/messages.js").Player|null} told what the referee has counted, if the light tells who has shot
+ * What a player did in a battle, in words, as the referee has counted it.
+ * @param {import("../battle/messages.js").Player} own the player's entry in the result
+ * @param {boolean} coded whether the light has told who has shot
  */
-export function statsTexts({ hits, shots, seconds }, told = null) {
-  const given = told ? givenTexts(told) : [t("result.shots", { n: shots })];
-  return [t("result.hits", { n: hits }), ...given, t("result.survived", { time: clockText(seconds) })];
+export function statsTexts(own, coded) {
+  const given = coded ? givenTexts(own) : [];
+  return [t("result.hits", { n: own.taken }), ...given, t("result.survived", { time: clockText(own.seconds) })];
 }
 
 function givenTexts({ shots, hits, kills }) {
@@ -50,8 +50,8 @@ function givenTexts({ shots, hits, kills }) {
  * Show it, as the state at the battle's end tells it. The focus stays off the buttons: the player may still be hammering the keys.
  * @returns {Promise<""|"ok"|"give">} "ok": a rematch; "give": somebody else may have the seat
  */
-export function showResult({ result, coded }, name, stats) {
-  const told = coded ? result.find((entry) => entry.name === name) : null;
+export function showResult({ result, coded }, name) {
+  const own = result.find((entry) => entry.name === name);
   const { outcome, title, text } = outcomeOf(result, name);
   return dialogs.show({
     kind: null,
@@ -60,7 +60,7 @@ export function showResult({ result, coded }, name, stats) {
     text,
     body: [
       podiumView(result, name, coded),
-      element("ul", { className: "own-stats" }, ...statsTexts(stats, told).map((line) => element("li", {}, line))),
+      element("ul", { className: "own-stats" }, ...statsTexts(own, coded).map((line) => element("li", {}, line))),
     ],
     ok: t("result.rematch"),
     cancel: t("result.stay"),
