@@ -134,7 +134,8 @@ def _add_battle(api: Blueprint, game: GameLoop) -> None:
     @api.post("/playerReady")
     def player_ready() -> Response:
         name, ready = _field("user"), _FLAG.get(_field("ready"))
-        if game.snapshot().game is Game.PLAYING:
+        snapshot = game.snapshot()
+        if snapshot.game is Game.PLAYING and not snapshot.late_join:
             return reply(status="STARTED")
         if ready is None:
             _refuse(400, "ready must be 0 or 1", user=name)

@@ -376,6 +376,22 @@ def test_in_a_battle_everyone_gets_started_whatever_is_asked():
     assert [player.ready for player in site.battle.snapshot().players] == [True, True]
 
 
+def test_where_late_comers_may_join_only_who_can_gets_ok():
+    site = Site(countdown=0.1, late_join=True)
+    al, bo, cy = (site.browser() for _ in range(3))
+    for browser, name in ((al, "al"), (bo, "bo")):
+        sign_up(browser, name)
+        browser.post("/playerReady", data={"user": name, "ready": "1"})
+    site.now += 0.1
+    assert site.battle.snapshot().game == 2
+    sign_up(cy, "cy")
+    assert body(cy.post("/playerReady", data={"user": "cy", "ready": "0"})) == {"status": "STARTED"}
+    assert body(al.post("/playerReady", data={"user": "cy", "ready": "1"})) == {"status": "STARTED"}
+    assert body(cy.post("/playerReady", data={"user": "cy", "ready": "1"})) == {"status": "OK", "user": "cy"}
+    assert body(al.post("/playerReady", data={"user": "al", "ready": "1"})) == {"status": "STARTED"}
+    assert [player.ready for player in site.battle.snapshot().players] == [True, True, True]
+
+
 # chooseTeam
 
 
