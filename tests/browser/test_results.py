@@ -38,7 +38,7 @@ def test_from_the_login_to_a_battle_and_the_leaderboard(played: Played, page: Pa
     battle = page.locator(".battle").last
     expect(battle.locator(".fighters li")).to_have_count(2)
     expect(battle.locator(".won .name")).to_have_text("Jörg")
-    expect(battle).to_contain_text("left, Life 80")
+    expect(battle).to_contain_text("left, Life 20")
     look("results")
     page.get_by_role("link", name="Battle 1").click()
     expect(page.locator("h1")).to_have_text("Battle 1")
