@@ -49,12 +49,19 @@ class Person:
         locale: str = "en-GB",
         camera: bool = False,
         arena: bool = False,
+        phone: tuple[int, int] | None = None,
     ) -> None:
         """`policy`: whether the browser heeds the Content-Security-Policy. `camera`, `arena`: whether the pages show
-        what the robots' cameras see, and the arena from above; to paint either costs half a processor."""
+        what the robots' cameras see, and the arena from above; to paint either costs half a processor. `phone`: the
+        width and height of a phone's screen, if it is one."""
         self.name, self.battle = name, battle
+        width, height = phone or DESKTOP
         self.context: BrowserContext = chromium.new_context(
-            viewport={"width": DESKTOP[0], "height": DESKTOP[1]}, bypass_csp=not policy, locale=locale
+            viewport={"width": width, "height": height},
+            bypass_csp=not policy,
+            locale=locale,
+            has_touch=phone is not None,
+            is_mobile=phone is not None,
         )
         if not camera:
             self.context.add_init_script(WITHOUT_CAMERAS % battle.relay_port)

@@ -1,0 +1,64 @@
+"""The driving page on a phone."""
+
+import itertools
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import FloatRect, Locator, Page, expect
+
+from tests.browser.people import Person
+from tests.support.demo import Demo
+from tests.support.player import Player
+
+UPRIGHT = (390, 844)
+CONTROLS = (".thumb-pad", ".thumb-fire")
+
+
+@pytest.fixture
+def battle(demo: Demo) -> Demo:
+    demo.play_by(practice=True, countdown=1)
+    return demo
+
+
+def box(shown: Locator) -> FloatRect:
+    expect(shown).to_be_visible()
+    found = shown.bounding_box()
+    assert found is not None
+    return found
+
+
+def overlap(one: FloatRect, other: FloatRect) -> bool:
+    def meet(side: str, length: str) -> bool:
+        start, end = max(one[side], other[side]), min(one[side] + one[length], other[side] + other[length])  # type: ignore[literal-required]
+        return float(end - start) > 1  # less is rounding
+
+    return meet("x", "width") and meet("y", "height")
+
+
+def in_each_others_way(page: Page, *selectors: str) -> list[tuple[str, str]]:
+    boxes = {selector: box(page.locator(selector)) for selector in selectors}
+    return [pair for pair in itertools.combinations(selectors, 2) if overlap(boxes[pair[0]], boxes[pair[1]])]
+
+
+def test_upright_nothing_lies_on_the_picture_of_a_battle(
+    battle: Demo, person: Callable[..., Person], screenshots: Path
+) -> None:
+    ann = person("Ann", phone=UPRIGHT)
+    ann.log_in()
+    with Player(battle, "José_longname_16") as bob:
+        ann.page.locator("#ready-btn").tap()
+        assert bob.ready() == "OK"
+        expect(ann.page.locator("#game-status")).to_have_text("PLAY!")
+        ann.page.screenshot(path=screenshots / "battle-390.png")
+        around = (".own", ".tools", "#clock", ".picture", ".rivals", ".feed-box", *CONTROLS)
+        assert in_each_others_way(ann.page, "#lobby", *around) == []
+        assert box(ann.page.locator("#feed li").first)["height"] > 0
+        ann.page.locator("#hit-note").evaluate("note => { note.lastChild.textContent = 'Hit!'; note.hidden = false; }")
+        assert in_each_others_way(ann.page, "#hit-note", *around) == []
+        ann.context.set_offline(True)
+        expect(ann.page.locator("#banner")).to_be_visible()
+        ann.page.screenshot(path=screenshots / "offline-390.png")
+        assert in_each_others_way(ann.page, ".life-value", "#connection-state", "#banner") == []
+        ann.context.set_offline(False)
+        expect(ann.page.locator("#banner")).to_be_hidden()
