@@ -14,8 +14,8 @@ const SCRIPTS = [
   "common/text_page", "desk/operator", "game/home", "game/pulse", "lobby/index", "results/results", "watch/watch",
 ];
 const STYLES = [
-  "about", "camera", "common", "controls", "error", "feed", "hits", "home", "hud", "keys", "lobby", "login", "operator", "own_camera",
-  "podium", "results", "teams", "touch", "watch",
+  "about", "camera", "common", "controls", "error", "feed", "guide", "hits", "home", "hud", "keys", "lobby", "login", "operator",
+  "own_camera", "podium", "results", "teams", "touch", "watch",
 ];
 const AVATARS = [0, 1, 2, 3, 4].map((number) => `avatar${number}.svg`);
 const PICTURES = [...AVATARS, "broken.svg", "favicon.png", "favicon.svg", "logo.svg"];

@@ -1,4 +1,4 @@
-"""The driving page on a phone."""
+"""The driving page on a phone, upright and on its side, and what it shows somebody new."""
 
 import itertools
 from collections.abc import Callable
@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import FloatRect, Locator, Page, expect
 
+from tests.browser.axe import violations
 from tests.browser.people import Person
 from tests.support.demo import Demo
 from tests.support.player import Player
 
-UPRIGHT = (390, 844)
+UPRIGHT, ON_ITS_SIDE = (390, 844), (844, 390)
 CONTROLS = (".thumb-pad", ".thumb-fire")
 
 
@@ -39,6 +40,43 @@ def overlap(one: FloatRect, other: FloatRect) -> bool:
 def in_each_others_way(page: Page, *selectors: str) -> list[tuple[str, str]]:
     boxes = {selector: box(page.locator(selector)) for selector in selectors}
     return [pair for pair in itertools.combinations(selectors, 2) if overlap(boxes[pair[0]], boxes[pair[1]])]
+
+
+def test_somebody_new_is_shown_the_first_steps_once(person: Callable[..., Person], screenshots: Path) -> None:
+    ann = person("Ann")
+    ann.log_in()
+    hint = ann.page.locator(".guide-text")
+    for command, told in (((1, 0, False), "to drive"), ((0, 1, False), "to turn"), ((0, 0, True), "to shoot")):
+        expect(hint).to_contain_text(told)
+        ann.page.screenshot(path=screenshots / f"guide-{told[3:]}.png")
+        if told == "to drive":
+            assert violations(ann.page) == []
+        ann.hold(command)
+    expect(ann.page.locator("#guide")).to_be_hidden()
+    ann.hold((0, 0, False))
+    ann.page.reload()
+    expect(ann.page.locator("body.is-driving")).to_be_visible()
+    expect(ann.page.locator("#guide")).to_be_hidden()
+
+
+@pytest.mark.parametrize("screen", [UPRIGHT, ON_ITS_SIDE], ids=["upright", "on its side"])
+def test_on_a_phone_the_first_steps_leave_picture_and_controls_free(
+    person: Callable[..., Person], screenshots: Path, screen: tuple[int, int]
+) -> None:
+    ann = person("Ann", arena=True, phone=screen)
+    ann.log_in()
+    floor = ann.page.frame_locator("#arena").locator("canvas").first
+    guide = box(ann.page.locator("#guide"))
+    expect(ann.page.locator(".guide-text")).to_contain_text("the pad")
+    ann.page.screenshot(path=screenshots / f"guide-{screen[0]}.png")
+    for beside in (guide, box(ann.page.locator("#lobby"))):
+        assert not overlap(beside, box(floor))
+    assert in_each_others_way(ann.page, "#guide", ".own", ".tools", "#lobby", *CONTROLS) == []
+    ann.page.locator(".guide-skip").tap()
+    expect(ann.page.locator("#guide")).to_be_hidden()
+    ann.page.reload()
+    expect(ann.page.locator("body.is-driving")).to_be_visible()
+    expect(ann.page.locator("#guide")).to_be_hidden()
 
 
 def test_upright_nothing_lies_on_the_picture_of_a_battle(

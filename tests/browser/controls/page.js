@@ -53,6 +53,7 @@ async function loudness() {
 connectGame({
   driver, preferences, speaker, thumbs: byId("thumbs"), padHint: byId("pad-hint"), onChange: showHeld,
   onReady: () => readies.push(performance.now()),
+  onPads: () => {},
 });
 connectSwitches({ sound: byId("sound"), fullscreen: byId("fullscreen") }, preferences);
 byId("settings").append(settingsForm(preferences, speaker));

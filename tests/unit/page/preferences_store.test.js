@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Preferences } from "../../../server/static/js/common/preferences_store.js";
 
-const STANDARD = { sound: true, volume: 0.7, touch: "pad", hints: true, view: "camera" };
+const STANDARD = { sound: true, volume: 0.7, touch: "pad", hints: true, guide: true, view: "camera" };
 const all = (preferences) => Object.fromEntries(Object.keys(STANDARD).map((name) => [name, preferences.get(name)]));
 
 function storageWith(text) {
@@ -17,11 +17,11 @@ test("what is chosen is there after a reload", () => {
   first.set("touch", "stick");
   first.set("volume", 0.3);
   first.toggle("sound");
-  assert.deepEqual(all(new Preferences(() => storage)), { sound: false, volume: 0.3, touch: "stick", hints: true, view: "camera" });
+  assert.deepEqual(all(new Preferences(() => storage)), { sound: false, volume: 0.3, touch: "stick", hints: true, guide: true, view: "camera" });
 });
 
 test("what is kept and makes no sense is left alone, the rest counts", () => {
-  const broken = ["", "null", "[]", "7", "{", '{"volume": 2, "sound": "no", "touch": "wheel", "hints": null, "view": "moon", "more": 1}', '{"volume": null}'];
+  const broken = ["", "null", "[]", "7", "{", '{"volume": 2, "sound": "no", "touch": "wheel", "hints": null, "guide": 0, "view": "moon", "more": 1}', '{"volume": null}'];
   for (const text of broken) assert.deepEqual(all(new Preferences(() => storageWith(text))), STANDARD, text);
   const half = new Preferences(() => storageWith('{"volume": -1, "sound": false}'));
   assert.deepEqual(all(half), { ...STANDARD, sound: false });

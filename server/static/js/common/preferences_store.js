@@ -8,6 +8,7 @@ const KINDS = {
   volume: [0.7, (value) => typeof value === "number" && value >= 0 && value <= 1],
   touch: ["pad", (value) => value === "pad" || value === "stick"],
   hints: [true, isBoolean],
+  guide: [true, isBoolean],
   view: ["camera", (value) => value === "camera" || value === "arena"],
 };
 
@@ -16,8 +17,8 @@ function isBoolean(value) {
 }
 
 /**
- * `sound` (boolean), `volume` (0 to 1), `touch` ("pad" or "stick"), `hints` (boolean: whether the page tells the keys) and
- * `view` ("camera": the robot's camera, or "arena").
+ * `sound` (boolean), `volume` (0 to 1), `touch` ("pad" or "stick"), `hints` (boolean: whether the page tells the keys),
+ * `guide` (boolean: whether the first steps are still to be shown) and `view` ("camera": the robot's camera, or "arena").
  */
 export class Preferences {
   #getStorage;

@@ -17,8 +17,9 @@ import { t } from "../common/words.js";
  * @param {HTMLElement} page.padHint tells a gamepad's buttons while there is a gamepad and hints are wanted
  * @param {() => void} page.onChange is called after each change of what is held
  * @param {() => void} page.onReady Start has been pressed on a gamepad
+ * @param {(count: number) => void} page.onPads so many gamepads are there now
  */
-export function connectGame({ driver, preferences, speaker, thumbs, padHint, onChange, onReady }) {
+export function connectGame({ driver, preferences, speaker, thumbs, padHint, onChange, onReady, onPads }) {
   connectKeyboard(window, driver, onChange);
   connectLetGo(driver, onChange);
   connectThumbs(thumbs, driver, preferences, onChange);
@@ -49,6 +50,7 @@ export function connectGame({ driver, preferences, speaker, thumbs, padHint, onC
     onCount: (now) => {
       count = now;
       showHint();
+      onPads(now);
     },
   });
   addEventListener("gamepadconnected", () => pads.update());

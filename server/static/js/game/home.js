@@ -1,8 +1,7 @@
 // The game page: what is the state of the battle, where do my commands go.
 
-import { arenaAddress, socketAddress } from "../common/addresses.js";
+import { socketAddress } from "../common/addresses.js";
 import * as api from "../common/api.js";
-import { ArenaView } from "../common/arena_view.js";
 import { Connection } from "../drive/connection.js";
 import * as dialogs from "../common/dialogs.js";
 import { Driver } from "../drive/driver.js";
@@ -11,7 +10,9 @@ import { OwnCamera } from "./own_camera.js";
 import { Feedback } from "../battle/feedback.js";
 import { FeedList } from "../battle/feed_words.js";
 import { connectGame } from "./controls.js";
+import { openArena } from "./arena.js";
 import { connectSwitches, settingsForm } from "./settings.js";
+import { Guide } from "./guide.js";
 import { Heartbeat } from "./heartbeat.js";
 import { help } from "../common/help.js";
 import { HitMarks } from "./hit_marks.js";
@@ -45,6 +46,7 @@ class Game {
   #driver;
   #arena;
   #ownCamera;
+  #guide;
   #feed = new FeedList(byId("feed"));
   #quality = new LinkQuality();
   #pulse = new Worker(document.querySelector("meta[name=pulse]").content);
@@ -110,7 +112,14 @@ class Game {
       getTicket: () => this.#session.check(),
       onView: (view) => {
         if (arena) arena.scale = view === "camera" ? CORNER : 1;
+        this.#guide.show();
       },
+    });
+    this.#guide = new Guide({
+      box: byId("guide"),
+      preferences: this.#preferences,
+      robot: me.robot,
+      getView: () => (byId("stage").dataset.view === "arena" && !arena ? "none" : byId("stage").dataset.view),
     });
     this.#driver = new Driver({
       send: (command) => {
@@ -134,8 +143,12 @@ class Game {
       speaker: this.#speaker,
       thumbs: byId("thumbs"),
       padHint: byId("pad-hint"),
-      onChange: () => view.showHeld(this.#driver.actions),
+      onChange: () => {
+        view.showHeld(this.#driver.actions);
+        if (!this.#refusal) this.#guide.act(this.#driver.actions);
+      },
       onReady: () => this.#toggleReady(),
+      onPads: (count) => this.#guide.countPads(count),
     });
     connectSwitches({ sound: byId("sound"), fullscreen: byId("fullscreen") }, this.#preferences);
     byId("ready-btn").addEventListener("click", () => this.#toggleReady());
@@ -172,6 +185,7 @@ class Game {
     this.#arena?.show({ ...arenaPlayers(status, name), labels: { you: t("game.you") } });
     this.#feedback.take(previous, status, name);
     this.#marks.take(previous, status, name);
+    this.#guide.take(previous, status, name, this.#driver.driving);
     if (state.hasEnded(previous, status, name)) this.#showResult(status);
     else if (status.game !== state.STOPPED && previous?.game === state.STOPPED) dialogs.closeAll(); // the next one begins
   }
@@ -289,21 +303,6 @@ class Game {
     dialogs.show({ ...message, ok: null });
     setTimeout(() => location.replace(page), ms);
   }
-}
-
-/** The arena's picture on the stage, where there is one: it is on the host that served this page. */
-function openArena() {
-  const url = arenaAddress();
-  if (!url) return null;
-  document.body.classList.add("has-arena");
-  return new ArenaView({
-    frame: byId("arena"),
-    url,
-    onState: (arena) => {
-      document.body.dataset.arena = arena;
-      view.showArenaNote(arena === "live" ? "" : t(`game.arena_${arena}`));
-    },
-  });
 }
 
 async function main() {

@@ -44,11 +44,13 @@ export function settingsForm(preferences, speaker) {
   touch.addEventListener("change", () => preferences.set("touch", touch.value));
   const sound = tickBox(preferences, "sound");
   const hints = tickBox(preferences, "hints");
+  const guide = tickBox(preferences, "guide");
   const show = () => {
     volume.value = preferences.get("volume");
     touch.value = preferences.get("touch");
     sound.checked = preferences.get("sound");
     hints.checked = preferences.get("hints");
+    guide.checked = preferences.get("guide");
   };
   preferences.watch(show);
   show();
@@ -59,6 +61,7 @@ export function settingsForm(preferences, speaker) {
     element("label", {}, t("sounds.volume"), volume),
     element("label", {}, t("controls.touch"), touch),
     element("label", {}, t("controls.hints"), hints),
+    element("label", {}, t("controls.guide"), guide),
   );
 }
 
