@@ -11,7 +11,8 @@ import { build } from "esbuild";
 const ROOT = dirname(fileURLToPath(import.meta.url));
 const BUNDLE = `${ROOT}/bundle`;
 const SCRIPTS = [
-  "common/text_page", "desk/operator", "game/home", "game/pulse", "lobby/index", "results/results", "watch/watch",
+  "common/text_page", "desk/operator", "game/home", "game/pulse", "lobby/index", "lobby/second", "results/results",
+  "watch/watch",
 ];
 const STYLES = [
   "about", "camera", "common", "controls", "error", "feed", "guide", "hits", "home", "hud", "keys", "lobby", "login", "operator",

@@ -97,11 +97,6 @@ test("a tick is heard only", () => {
   assert.deepEqual(taken(countdown(9.5), countdown(9)), ["play tick"]);
 });
 
-test("the offer of a robot is heard and felt", () => {
-  feedback.offer();
-  assert.deepEqual(felt, ["play offer", "vibrate 200,100,200"]);
-});
-
 test("everything that is felt has a sound that exists", () => {
   for (const [previous, current] of [
     [countdown(9.5), countdown(9)], [countdown(3.5), countdown(3)], [countdown(0.1), playing(100)], [playing(90), playing(80)],

@@ -14,6 +14,7 @@ test("an offer names the robot, the first too, and the time to take it", () => {
   const offer = queueText({ place: 1, offer: 0, seconds: 17 });
   assert.match(offer.title, /Robot 0/);
   assert.match(offer.text, /17 s/);
+  assert.equal(offer.tab, "(17 s) Robot 0 is yours!");
 });
 
 test("times are said as people say them", () => {

@@ -23,7 +23,6 @@ const FEEDBACK = {
   out: { sound: "out", vibrate: [200, 80, 300], jolt: "out" },
   win: { sound: "win", vibrate: [60, 60, 60, 60, 240] },
   lose: { sound: "lose", vibrate: [300] },
-  offer: { sound: "offer", vibrate: [200, 100, 200] },
 };
 
 /**
@@ -93,11 +92,6 @@ export class Feedback {
     this.#firedAt = now;
     this.#speaker.play("shot");
     return true;
-  }
-
-  /** A robot is offered to somebody who waits. */
-  offer() {
-    this.#give(["offer"]);
   }
 
   /** The page is left or knows nothing any more: the heart is not heard on. */

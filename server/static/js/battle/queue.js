@@ -6,9 +6,12 @@ import { STOPPED } from "./state.js";
 /** What /session says of somebody who waits.
  * @typedef {{user: string, place: number, offer: number|null, seconds: number}} Waiter */
 
-/** @param {Waiter} waiter @returns {{title: string, text: string}} */
+/** @param {Waiter} waiter @returns {{title: string, text: string, tab?: string}} `tab`: for the title of the page while there is an offer */
 export function queueText({ place, offer, seconds }) {
-  if (offer !== null) return { title: t("queue.offer", { id: offer }), text: t("queue.offer_text", { n: seconds }) };
+  if (offer !== null) {
+    const values = { id: offer, n: seconds };
+    return { title: t("queue.offer", values), text: t("queue.offer_text", values), tab: t("queue.offer_tab", values) };
+  }
   const title = place === 1 ? t("queue.next") : t("queue.place", { n: place });
   return { title, text: t("queue.wait", { time: waitText(seconds) }) };
 }

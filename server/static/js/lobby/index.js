@@ -6,10 +6,11 @@ import { ArenaView } from "../common/arena_view.js";
 import { avatarUrl } from "../common/assets.js";
 import * as dialogs from "../common/dialogs.js";
 import { setText } from "../common/dom.js";
-import { Feedback } from "../battle/feedback.js";
 import { help } from "../common/help.js";
 import { vibrate } from "../common/jolt.js";
+import { OfferCall } from "./call.js";
 import { isValidName, loginDialog } from "./login.js";
+import { connectAsking, notify } from "./notices.js";
 import { connectPreferences } from "../common/preferences.js";
 import { Preferences } from "../common/preferences_store.js";
 import { fromTopic } from "../battle/messages.js";
@@ -33,7 +34,7 @@ const queue = document.getElementById("queue");
 const take = document.getElementById("take");
 
 const speaker = new Speaker(new Preferences());
-const feedback = new Feedback({ speaker, vibrate });
+const call = new OfferCall({ speaker, vibrate, page: document, notify });
 
 let avatar = Math.floor(Math.random() * storage.AVATARS);
 let entered = false; // the page goes
@@ -60,20 +61,25 @@ async function logIn() {
 function enter({ user, robot }) {
   if (entered) return;
   entered = true;
+  call.end();
   storage.save(user, robot, avatar, new Date());
   location.assign("/home");
 }
 
 /** Show the queue until there is a robot, or the visitor goes. */
 async function waitForRobot() {
+  const clock = new Worker(document.querySelector("meta[name=second]").content);
+  const second = () => new Promise((resolve) => (clock.onmessage = resolve));
   for (;;) {
     const [session, battle] = await Promise.all([api.session(), api.watchedStatus()].map((asked) => asked.catch(() => null)));
     if (session?.status === "OK") return enter(session);
     if (session?.status === "UNREGISTERED") break;
     if (session) showQueue(session);
     if (battle) showBattle(fromTopic(battle));
-    await new Promise((resolve) => setTimeout(resolve, POLL));
+    await second();
   }
+  clock.terminate();
+  call.end();
   if (!take.hidden) {
     dialogs.show({ kind: "info", title: t("login.gone"), text: t("login.gone_text") });
   }
@@ -84,17 +90,16 @@ async function waitForRobot() {
 }
 
 function showQueue(session) {
-  const { title, text } = queueText(session);
+  const words = queueText(session);
   queue.hidden = false;
   document.body.classList.add("is-queued");
-  setText(document.getElementById("queue-title"), title);
-  setText(document.getElementById("queue-text"), text);
-  if (take.hidden && session.offer !== null) {
-    feedback.offer();
-    take.hidden = false;
-    take.focus();
-  }
+  setText(document.getElementById("queue-title"), words.title);
+  setText(document.getElementById("queue-text"), words.text);
+  const isNew = take.hidden && session.offer !== null;
   take.hidden = session.offer === null;
+  if (isNew) take.focus();
+  if (take.hidden) call.end();
+  else call.call(words, performance.now());
 }
 
 /** What there is to see meanwhile: who is who in the arena, and who fights. */
@@ -182,9 +187,11 @@ take.addEventListener("click", async () => {
 });
 document.getElementById("leave").addEventListener("click", async () => {
   take.hidden = true; // it is the visitor's own wish
+  call.end();
   await api.signOut(nameField.value.trim().normalize("NFC")).catch(() => null);
 });
 document.getElementById("how-to").addEventListener("click", help);
+addEventListener("pagehide", () => call.end()); // a notice would outlive the page
 addEventListener("pageshow", (event) => event.persisted && location.reload()); // back from home: all may have changed
 
 /** The arena's picture behind the page, where there is one; it stays out of sight until it is there. */
@@ -199,6 +206,7 @@ function openArena() {
 }
 
 connectPreferences();
+connectAsking(document.getElementById("tell"), document.getElementById("told"));
 speaker.listen(window);
 openArena();
 showAvatar();
