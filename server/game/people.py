@@ -11,6 +11,8 @@ from itertools import groupby
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 from unicodedata import category
 
+MAX_NAME = 16  # characters
+
 Rename = Callable[[str], str]  # what is to stand in the place of a name
 Renamer = Callable[[Any, Rename], Any]  # of a value of JSON's types; what is of an unexpected type stays as it is
 
@@ -20,9 +22,22 @@ BY_OPERATOR = "the operator has ended it"
 NAMELESS = frozenset({TIME_LIMIT, BY_OPERATOR})
 
 AGAIN = "signed up again as "  # how somebody leaves; the one such text in which a name follows
+# what else follows a name: since names have spaces, they end where one of these begins
+_HOW = re.compile(
+    "|".join(
+        (
+            "was shot down|is no longer ready|lost the robot|signed out|left the page|makes room for a person",
+            "was signed out by the operator|did not take the robot in time",
+            r"was not ready for \S+ s while others waited|has played \d+ in a row, and others wait",
+            "has one of several robots at one address, and others wait",
+        )
+    )
+)
 
 NEUTRAL = re.compile(r"player \d+")  # of somebody who was forgotten: no player can choose it
-_CAUSE = re.compile(rf"({NEUTRAL.pattern}|\S+) (.+)")
+_AGAIN = re.compile(rf"(.+?) ({AGAIN}.+)")  # no name is so long that these words could be in it
+_CAUSE = re.compile(rf"(.+) ({_HOW.pattern})")
+_OTHER = re.compile(rf"({NEUTRAL.pattern}|\S+) (.+)")  # another version's, from when no name had a space
 _NOTICE = re.compile(r"(Battle over|Countdown stopped): (.+?)(, fewer than two players are ready)?\.")
 
 
@@ -35,7 +50,9 @@ def _in_how(text: str, rename: Rename) -> str:
 
 
 def _in_cause(text: str, rename: Rename) -> str:
-    found = None if text in NAMELESS else _CAUSE.fullmatch(text)
+    if text in NAMELESS:
+        return text
+    found = _AGAIN.fullmatch(text) or _CAUSE.fullmatch(text) or _OTHER.fullmatch(text)
     return f"{rename(found[1])} {_in_how(found[2], rename)}" if found else text
 
 
@@ -45,9 +62,26 @@ def _in_notice(text: str, rename: Rename) -> str:
 
 
 def _in_words(text: str, rename: Rename) -> str:
-    """Nobody but its writer knows which of the words are names, so each may be."""
+    """Nobody but its writer knows which of the words are names, so each may be, and several together."""
     parts = [(is_word, "".join(chars)) for is_word, chars in groupby(text, _belongs_to_name)]
-    return "".join(rename(part) if is_word else part for is_word, part in parts)
+    renamed, place = "", 0
+    while place < len(parts):
+        name, length = _name_in(parts[place:], rename)
+        renamed += name
+        place += length
+    return renamed
+
+
+def _name_in(parts: list[tuple[bool, str]], rename: Rename) -> tuple[str, int]:
+    """What stands for the first of the parts, or for the most that are a name together; and how many they are."""
+    end = 1 if parts[0][0] else 0
+    while 0 < end < len(parts) - 1 and parts[end] == (False, " "):
+        end += 2
+    for length in range(end, 0, -2):
+        name = "".join(part for _, part in parts[:length])
+        if len(name) <= MAX_NAME and (renamed := rename(name)) != name:
+            return renamed, length
+    return parts[0][1], 1
 
 
 def _belongs_to_name(char: str) -> bool:

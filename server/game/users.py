@@ -5,34 +5,39 @@ import unicodedata
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-from server.game.people import Name
+from server.game.people import MAX_NAME, NEUTRAL, Name
 
 FULL_LIFE = 100
 AVATARS = 5
 FIGHTING, DEAD, QUIT, WATCHING = range(4)  # how a player may stand, best first
 
-MAX_NAME = 16  # characters
-
 # who these names belong to is not for players to say
 _RESERVED = {"operator", "admin", "referee", "server", "master", "laserbot", "everybody", "nobody"}
-_ROBOT = re.compile(r"robot[0-9]+")
+_ROBOT = re.compile(r"robot ?[0-9]+")
 
 # letters and marks of which nothing is to be seen (Unicode's Default_Ignorable_Code_Point): two names would look alike
 _UNSEEN = re.compile("[\u034f\u115f\u1160\u17b4\u17b5\u180b-\u180f\u3164\ufe00-\ufe0f\uffa0\U000e0100-\U000e01ef]")
 
 
 def is_valid_name(name: str) -> bool:
-    """Whether `name` is 1 to 16 letters, digits (of any script, in NFC) and `_`: safe on any page and in any log."""
-    allowed = all(char == "_" or unicodedata.category(char)[0] in "LMN" for char in name)
-    starts = name[:1] == "_" or unicodedata.category(name[:1] or " ")[0] in "LN"
-    seen = allowed and starts and not _UNSEEN.search(name)
-    return 0 < len(name) <= MAX_NAME and seen and unicodedata.is_normalized("NFC", name)
+    """Whether `name` is 1 to 16 letters, digits (of any script, in NFC), `_` and single spaces between them.
+
+    It is safe on any page and in any log.
+    """
+    words = all(_is_word(word) for word in name.split(" "))
+    return words and len(name) <= MAX_NAME and unicodedata.is_normalized("NFC", name)
+
+
+def _is_word(word: str) -> bool:
+    allowed = all(char == "_" or unicodedata.category(char)[0] in "LMN" for char in word)
+    starts = word[:1] == "_" or unicodedata.category(word[:1] or " ")[0] in "LN"
+    return allowed and starts and not _UNSEEN.search(word)
 
 
 def is_reserved_name(name: str) -> bool:
     """Whether it could be taken for a part of the game, or for those who run it."""
     folded = _folded(name)
-    return folded in _RESERVED or _ROBOT.fullmatch(folded) is not None
+    return folded in _RESERVED or any(pattern.fullmatch(folded) for pattern in (_ROBOT, NEUTRAL))
 
 
 def contains_word(name: str, word: str) -> bool:

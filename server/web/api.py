@@ -21,9 +21,10 @@ from laser_bot_battle.addresses import machine_of
 from laser_bot_battle.names import SESSION_COOKIE, Game, session_digest, session_ticket
 from laser_bot_battle.token_bucket import TokenBuckets
 from server.game.loop import GameLoop
+from server.game.people import MAX_NAME
 from server.game.referee import Verdict
 from server.game.snapshot import Player, Snapshot, Waiter
-from server.game.users import AVATARS, MAX_NAME, is_reserved_name, is_valid_name
+from server.game.users import AVATARS, is_reserved_name, is_valid_name
 from server.web.visitors import SignUps, is_secure, visitor_address, visitor_mark
 
 API = "api"  # the blueprint's name
@@ -54,7 +55,7 @@ def _add_sign_up(api: Blueprint, game: GameLoop) -> None:
     def sign_up_user() -> Response:
         name = unicodedata.normalize("NFC", _field("data"))
         if not is_valid_name(name):
-            _refuse(400, f"a name is 1 to {MAX_NAME} letters, digits or _", user=name)
+            _refuse(400, f"a name is 1 to {MAX_NAME} letters, digits, _ and single spaces between them", user=name)
         if is_reserved_name(name):
             _refuse(400, f"the name {name} is reserved: choose another", user=name)
         avatar = request.form.get("avatar", "0")

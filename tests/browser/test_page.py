@@ -74,23 +74,31 @@ def test_a_click_changes_the_avatar_and_others_see_it(person: Callable[[str], Pe
 
 def test_a_bad_name_and_a_taken_name_are_explained(person: Callable[[str], Person], battle: Demo) -> None:
     with Player(battle, "Bob"):
-        eve = person("Eve")
-        for name, title in (("no spaces", "This name does not work"), ("Bob", "Name taken")):
-            eve.page.locator("#username").fill(name)
-            eve.page.locator("#username").press("Enter")
-            assert title in dialog_of(eve.page)
-            eve.page.keyboard.press("Escape")
+        eve = person("Eve Lee")
+        field, rule = eve.page.locator("#username"), eve.page.locator("#name-rule")
+        expect(rule).to_contain_text("Up to 16 letters")
+        field.fill("Eve!")
+        expect(field).to_have_attribute("aria-invalid", "true")
+        field.press("Enter")
+        expect(rule).to_contain_text("Not like that")
+        expect(field).to_be_focused()
+        expect(eve.page.locator("dialog")).to_have_count(0)
+        field.fill("Bob")
+        field.press("Enter")
+        assert "Name taken" in dialog_of(eve.page)
+        eve.page.keyboard.press("Escape")
         eve.log_in()
 
 
 @pytest.mark.slow
-def test_enter_counts_as_soon_as_a_message_is_gone(person: Callable[[str], Person]) -> None:
-    eve = person("Eve")
-    eve.page.locator("#username").fill("no spaces")
-    eve.page.locator("#username").press("Enter")
-    assert "This name does not work" in dialog_of(eve.page)
-    eve.page.evaluate("document.querySelector('dialog').close(); document.querySelector('#login').requestSubmit()")
-    assert "This name does not work" in dialog_of(eve.page)
+def test_enter_counts_as_soon_as_a_message_is_gone(person: Callable[[str], Person], battle: Demo) -> None:
+    with Player(battle, "Bob"):
+        eve = person("Bob")
+        eve.page.locator("#username").fill("Bob")
+        eve.page.locator("#username").press("Enter")
+        assert "Name taken" in dialog_of(eve.page)
+        eve.page.evaluate("document.querySelector('dialog').close(); document.querySelector('#login').requestSubmit()")
+        assert "Name taken" in dialog_of(eve.page)
 
 
 def test_without_a_free_robot_one_waits_and_takes_the_one_that_is_offered(

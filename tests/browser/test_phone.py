@@ -84,7 +84,7 @@ def test_upright_nothing_lies_on_the_picture_of_a_battle(
 ) -> None:
     ann = person("Ann", phone=UPRIGHT)
     ann.log_in()
-    with Player(battle, "José_longname_16") as bob:
+    with Player(battle, "José_longname 16") as bob:
         ann.page.locator("#ready-btn").tap()
         assert bob.ready() == "OK"
         expect(ann.page.locator("#game-status")).to_have_text("PLAY!")

@@ -33,3 +33,10 @@ test("what the page does not know is shown as it is", () => {
   assert.equal(noticeText("Something new."), "Something new.");
   assert.equal(noticeText(""), "");
 });
+
+test("a name may have spaces and words of the sentence", () => {
+  speak("de");
+  for (const name of ["Bo Lee", "lost the robot"]) {
+    assert.equal(noticeText(`Battle over: ${name} signed out.`), noticeText("Battle over: X signed out.").replace("X", name));
+  }
+});

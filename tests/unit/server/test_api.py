@@ -126,7 +126,7 @@ def test_refusals_are_logged(site, browser, caplog):
         browser.post("/signOutUser", data={"data": "al"})
         sign_up(browser, "al")
     assert [line for line in caplog.messages if "refused" in line or "taken" in line] == [
-        "/signUpUser from 127.0.0.1 refused: a name is 1 to 16 letters, digits or _",
+        "/signUpUser from 127.0.0.1 refused: a name is 1 to 16 letters, digits, _ and single spaces between them",
         "/signUpUser from 127.0.0.1 refused: the form field data is missing",
         "/incAlive from 127.0.0.1 refused: ID must be a whole number",
         "/signOutUser from 127.0.0.1 refused: only that user can sign out",
@@ -157,14 +157,18 @@ def test_an_impossible_avatar_is_refused(site, browser, avatar):
 
 
 @pytest.mark.parametrize(
-    "name", ["", " ", "x" * 17, "a b", "a\n", "<img src=x onerror=alert(1)>", "a\u202eb", "\x00", "[]"]
+    "name", ["", " ", "x" * 17, "a  b", " a", "a ", "a\n", "<img src=x onerror=alert(1)>", "a\u202eb", "\x00", "[]"]
 )
 def test_a_bad_name_is_refused_and_leaves_no_trace(site, browser, name):
     response = browser.post("/signUpUser", data={"data": name})
     assert response.status_code == 400
     assert response.content_type == "text/html; charset=utf-8"
     content = json.loads(response.text)
-    assert content == {"error": "a name is 1 to 16 letters, digits or _", "status": "ERROR", "user": name}
+    assert content == {
+        "error": "a name is 1 to 16 letters, digits, _ and single spaces between them",
+        "status": "ERROR",
+        "user": name,
+    }
     assert "Set-Cookie" not in response.headers
     assert players(site) == []
     assert site.battle.snapshot().available_robots == 3
@@ -183,6 +187,8 @@ def test_a_bad_name_is_refused_and_leaves_no_trace(site, browser, name):
         "nobody",
         "robot0",
         "Robot12",
+        "Robot 12",
+        "player 3",
         "ｒｏｂｏｔ７",
     ],
 )
@@ -195,7 +201,9 @@ def test_a_reserved_name_is_refused(site, browser, name):
     assert players(site) == []
 
 
-@pytest.mark.parametrize("name", ["robot", "robots", "robot1x", "operators", "admin_", "Bot1"])
+@pytest.mark.parametrize(
+    "name", ["robot", "robots", "robot1x", "operators", "admin_", "Bot1", "player3", "the operator"]
+)
 def test_a_name_that_only_looks_reserved_is_free(browser, name):
     assert sign_up(browser, name)["status"] == "OK"
 
@@ -600,7 +608,7 @@ FIELDS = [(route, field) for route, fields in GOOD.items() for field in fields]
 REQUIRED = [("/signUpUser", "data"), ("/signOutUser", "data"), ("/playerReady", "user"), ("/playerReady", "ready")]
 REQUIRED += [("/chooseTeam", "user"), ("/chooseTeam", "team"), ("/incAlive", "ID")]
 NONSENSE = ["", " ", "\x00", "a\r\nSet-Cookie: x=y", "\x1b[2J", "<script>alert(1)</script>", "{}", "[]", "+1", "-"]
-NONSENSE += ["1.5", "a b", "9" * 5000, "\u202e", "\ufffd", "../..", "' OR 1=1 --", "x" * 15_000]
+NONSENSE += ["1.5", "a  b", "9" * 5000, "\u202e", "\ufffd", "../..", "' OR 1=1 --", "x" * 15_000]
 
 
 @pytest.fixture

@@ -29,6 +29,7 @@ WORDS = (
     *("BattleEnded", "the", "time", "limit", "is", "reached", "operator", "has", "ended", "it", "was", "shot", "down"),
     *("signed", "out", "up", "again", "as", "Battle", "over", "Countdown", "stopped", "fewer", "two", "players", "are"),
     *("ready", "player", "1", "2", "None", "true", "0", "caller", "red", "Ann", "anybody"),
+    *("Ann Lee", "signed out", "was shot down", "lost the robot", "out again"),
 )
 # a name, and what stands elsewhere: often the same
 PAIRS = st.sampled_from(WORDS).flatmap(lambda name: st.tuples(st.just(name), st.just(name) | st.sampled_from(WORDS)))
@@ -208,3 +209,28 @@ def test_in_an_operators_own_words_any_whole_word_may_be_the_name():
     fields = {"text": "the other_the théo Thea the, the", "by": "the"}
     renamed = rename_in_event("MessageShown", fields, {"the": "player 1"})
     assert renamed == {"text": "player 1 other_the théo Thea player 1, player 1", "by": "player 1"}
+
+
+def test_names_of_several_words_are_told_from_those_of_fewer():
+    def renamed(cause: str, name: str) -> str:
+        return str(rename_in_event("CountdownStopped", {"cause": cause}, {name: "player 1"})["cause"])
+
+    for how in (
+        "did not take the robot in time",
+        "was not ready for 60 s while others waited",
+        "has played 3 in a row, and others wait",
+        "has one of several robots at one address, and others wait",
+        "makes room for a person",
+        "is no longer ready",
+        "left the page",
+        f"{AGAIN}Bo Lee",
+    ):
+        assert renamed(f"Ann Lee {how}", "Ann Lee") == f"player 1 {how}"
+        assert renamed(f"Ann Lee {how}", "Ann") == f"Ann Lee {how}"
+    assert renamed(f"Al {AGAIN}A was shot down", "Al") == f"player 1 {AGAIN}A was shot down"
+
+    def message(text: str, name: str) -> str:
+        return str(rename_in_event("MessageShown", {"text": text}, {name: "player 1"})["text"])
+
+    assert message("Well done, Ann Lee and Ann Leeson!", "Ann Lee") == "Well done, player 1 and Ann Leeson!"
+    assert message("Well done, Ann and Ann Leeson!", "Ann") == "Well done, player 1 and player 1 Leeson!"

@@ -6,7 +6,9 @@ from server.game.ranking import ranks
 from server.game.users import User, Users, is_valid_name
 
 
-@pytest.mark.parametrize("name", ["a", "Z", "_", "0", "a_B_9", "x" * 16, "Jörg", "Αλφα", "日本", "हिन्दी", "é"])
+@pytest.mark.parametrize(
+    "name", ["a", "Z", "_", "0", "a_B_9", "x" * 16, "Jörg", "Αλφα", "日本", "हिन्दी", "é", "Ann Lee", "a b c"]
+)
 def test_good_names(name):
     assert is_valid_name(name)
 
@@ -17,8 +19,12 @@ def test_good_names(name):
         "",
         " ",
         "x" * 17,
-        "a b",
+        "a  b",
         " a",
+        "a ",
+        "a\u00a0b",
+        "a \u0301b",
+        "x" * 8 + " " + "x" * 8,
         "a\n",
         "a-b",
         "[",

@@ -9,13 +9,13 @@ const SENTENCES = [
 ];
 
 const CAUSES = [
-  [/^(\S+) was shot down$/, "notice.shot_down"],
-  [/^(\S+) is no longer ready$/, "notice.not_ready"],
-  [/^(\S+) lost the robot$/, "notice.lost_robot"],
-  [/^(\S+) signed out$/, "notice.signed_out"],
-  [/^(\S+) left the page$/, "notice.left_page"],
-  [/^(\S+) was signed out by the operator$/, "notice.by_operator"],
-  [/^(\S+) makes room for a person$/, "notice.made_room"],
+  [/^(.+) was shot down$/, "notice.shot_down"],
+  [/^(.+) is no longer ready$/, "notice.not_ready"],
+  [/^(.+) lost the robot$/, "notice.lost_robot"],
+  [/^(.+) signed out$/, "notice.signed_out"],
+  [/^(.+) left the page$/, "notice.left_page"],
+  [/^(.+) was signed out by the operator$/, "notice.by_operator"],
+  [/^(.+) makes room for a person$/, "notice.made_room"],
   [/^the time limit is reached$/, "notice.time"],
   [/^the operator has ended it$/, "notice.operator"],
 ];

@@ -9,7 +9,7 @@ import { setText } from "../common/dom.js";
 import { help } from "../common/help.js";
 import { vibrate } from "../common/jolt.js";
 import { OfferCall } from "./call.js";
-import { isValidName, loginDialog } from "./login.js";
+import { isValidName, loginDialog, tidyName } from "./login.js";
 import { connectAsking, notify } from "./notices.js";
 import { connectPreferences } from "../common/preferences.js";
 import { Preferences } from "../common/preferences_store.js";
@@ -24,6 +24,7 @@ const POLL = 1000; // ms between two questions for free robots
 
 const form = document.getElementById("login");
 const nameField = document.getElementById("username");
+const nameRule = document.getElementById("name-rule");
 const picture = document.getElementById("userImage");
 const robots = document.getElementById("availableR");
 const message = document.getElementById("message");
@@ -46,10 +47,16 @@ function showAvatar() {
   picture.alt = t("login.picture", { n: avatar + 1, all: storage.AVATARS });
 }
 
+/** Whether the name can be one; the rule beside the field tells if not. */
+function checkName(isGood = isValidName(tidyName(nameField.value))) {
+  nameField.setAttribute("aria-invalid", String(!isGood));
+  setText(nameRule, t(isGood ? "login.rule" : "login.bad_name"));
+  return isGood;
+}
+
 /** Sign up and go to the battle. The reply, also where the page itself says no. */
 async function logIn() {
-  const name = nameField.value.trim().normalize("NFC");
-  if (!isValidName(name)) return { status: "BAD_NAME" };
+  const name = tidyName(nameField.value);
   if (!storage.isAvailable()) return { status: "NO_STORAGE" };
   const reply = await api.signUp(name, avatar, choice.value).catch(() => ({ status: "NO_ANSWER" }));
   if (reply.status === "OK") enter(reply);
@@ -169,6 +176,10 @@ async function showRobots() {
 form.addEventListener("submit", async (event) => {
   event.preventDefault();
   if (busy) return;
+  if (!checkName()) {
+    nameField.focus();
+    return;
+  }
   busy = true;
   const reply = await logIn();
   if (reply.status === "OK") return; // busy until the next page is there
@@ -177,6 +188,7 @@ form.addEventListener("submit", async (event) => {
   if (reply.status === "ROBOT_UNAVAILABLE") choice.value = "";
   dialogs.show(loginDialog(reply));
 });
+nameField.addEventListener("input", () => checkName(nameField.value.trim() === "" || undefined)); // an empty field is a beginning
 document.getElementById("avatar").addEventListener("click", () => {
   avatar = (avatar + 1) % storage.AVATARS;
   showAvatar();
@@ -188,7 +200,7 @@ take.addEventListener("click", async () => {
 document.getElementById("leave").addEventListener("click", async () => {
   take.hidden = true; // it is the visitor's own wish
   call.end();
-  await api.signOut(nameField.value.trim().normalize("NFC")).catch(() => null);
+  await api.signOut(tidyName(nameField.value)).catch(() => null);
 });
 document.getElementById("how-to").addEventListener("click", help);
 addEventListener("pagehide", () => call.end()); // a notice would outlive the page
