@@ -91,7 +91,8 @@ def test_upright_nothing_lies_on_the_picture_of_a_battle(
         ann.page.screenshot(path=screenshots / "battle-390.png")
         around = (".own", ".tools", "#clock", ".picture", ".rivals", ".feed-box", *CONTROLS)
         assert in_each_others_way(ann.page, "#lobby", *around) == []
-        assert box(ann.page.locator("#feed li").first)["height"] > 0
+        name = ann.page.locator("#feed bdi[title='José_longname 16']").first
+        assert box(name)["height"] < 30, "it is cut, not broken"
         ann.page.locator("#hit-note").evaluate("note => { note.lastChild.textContent = 'Hit!'; note.hidden = false; }")
         assert in_each_others_way(ann.page, "#hit-note", *around) == []
         ann.context.set_offline(True)
@@ -100,3 +101,7 @@ def test_upright_nothing_lies_on_the_picture_of_a_battle(
         assert in_each_others_way(ann.page, ".life-value", "#connection-state", "#banner") == []
         ann.context.set_offline(False)
         expect(ann.page.locator("#banner")).to_be_hidden()
+        bob.post("signOutUser", data=bob.name)
+        result = ann.page.locator("dialog[open]")
+        expect(result.locator(".podium-rest strong")).to_have_attribute("title", bob.name)
+        assert result.evaluate("dialog => dialog.scrollWidth <= dialog.clientWidth")

@@ -1,7 +1,7 @@
 // The feed on a page: what happens, in words, newest first.
 
 import { avatarUrl } from "../common/assets.js";
-import { element, setPicture, setText } from "../common/dom.js";
+import { element, setPicture } from "../common/dom.js";
 import { changes } from "./feed.js";
 import { teamName } from "./teams.js";
 import { list, percent, t } from "../common/words.js";
@@ -14,16 +14,16 @@ const TONES = {
 };
 
 /**
- * A change in words.
+ * A change in words. `mark` is done to each name in them.
  * @param {import("./feed.js").Change} change
  * @returns {{text: string, avatar: number|null, victim: number|null, tone: "alert"|"good"|"hit"|"out"|"win"|"calm"}}
  *   `victim`: the second picture, of the one whom the first has hit
  */
-export function feedEntry({ kind, name, avatar, life, by, winners, teams }) {
+export function feedEntry({ kind, name, avatar, life, by, winners, teams }, mark = (one) => one) {
   const tone = TONES[kind] ?? "calm";
-  if (kind === "end") return { text: endText(winners, teams), avatar, victim: null, tone };
-  const values = { name, life: life === null ? "" : percent(life) };
-  if (by) return { text: t(`feed.${kind}_by`, { ...values, by: by.name }), avatar: by.avatar, victim: avatar, tone };
+  if (kind === "end") return { text: endText(winners.map(mark), teams), avatar, victim: null, tone };
+  const values = { name: mark(name), life: life === null ? "" : percent(life) };
+  if (by) return { text: t(`feed.${kind}_by`, { ...values, by: mark(by.name) }), avatar: by.avatar, victim: avatar, tone };
   return { text: t(`feed.${kind}`, values), avatar, victim: null, tone };
 }
 
@@ -32,6 +32,14 @@ function endText(winners, teams) {
   if (teams.length > 1) return t("feed.draw", { names: list(teams.map(teamName)) });
   if (winners.length === 0) return t("feed.over");
   return winners.length === 1 ? t("feed.win", { name: winners[0] }) : t("feed.draw", { names: list(winners) });
+}
+
+const [ISOLATE, POP] = ["\u2068", "\u2069"]; // no name has them
+const isolated = (name) => `${ISOLATE}${name}${POP}`;
+
+/** A text with isolated names as it stands on a page: a name that has no room is cut, not broken, and is whole in its title. */
+function withNames(text) {
+  return text.split(new RegExp(`[${ISOLATE}${POP}]`, "u")).map((part, index) => (index % 2 ? element("bdi", { title: part }, part) : part));
 }
 
 /** Keeps the newest entries in a list of the page. It is silent: what screen readers say is the page's own choice. */
@@ -51,7 +59,7 @@ export class FeedList {
    */
   take(previous, current) {
     const news = changes(previous, current);
-    for (const change of news) this.#add(feedEntry(change));
+    for (const change of news) this.#add(feedEntry(change, isolated));
     return news;
   }
 
@@ -63,7 +71,7 @@ export class FeedList {
     node.dataset.tone = tone;
     showPicture(node.firstElementChild, avatar);
     showPicture(node.lastElementChild, victim);
-    setText(node.querySelector("span"), text);
+    node.querySelector("span").replaceChildren(...withNames(text));
     this.#list.prepend(node);
   }
 }

@@ -13,6 +13,7 @@ const byId = (id) => document.getElementById(id);
 export function showPlayer({ name, robot, avatar, date }) {
   const set = (selector, text) => document.querySelectorAll(selector).forEach((node) => setText(node, text));
   set(".username", name);
+  document.querySelector(".own-name").title = name; // it may be cut
   set(".robotN", t("home.robot", { id: String(robot) }));
   set(".date", t("home.logged_in", { date }));
   for (const picture of document.querySelectorAll(".userImage")) setPicture(picture, avatarUrl(avatar));
@@ -130,7 +131,7 @@ function makeRival(name) {
       "span",
       { className: "rival-name" },
       makeMark(),
-      element("strong", { className: "user-name" }, name),
+      element("strong", { className: "user-name", title: name }, name),
       element("span", { className: "kills", hidden: true }),
       element("span", { className: "handicap", hidden: true }, icon("shield"), element("span", { className: "visually-hidden" })),
     ),
@@ -165,7 +166,7 @@ function makeSeat(name) {
     "li",
     { className: "seat" },
     element("img", { alt: "", width: 72, height: 72 }),
-    element("strong", { className: "user-name" }, name),
+    element("strong", { className: "user-name", title: name }, name),
     makeMark(),
     element("span", { className: "user-sign" }),
   );

@@ -65,7 +65,7 @@ function honouredView(player, me, coded) {
     element(
       "figcaption",
       {},
-      element("strong", {}, player.name),
+      element("strong", { title: player.name }, player.name),
       player.name === me && element("em", {}, t("podium.you")),
       ...notesOf(player, coded).map((note) => element("span", { className: "podium-note" }, note)),
     ),
@@ -79,7 +79,7 @@ function restView(rest, me, coded) {
       { className: player.name === me ? "is-me" : "", value: player.place },
       element("span", { className: "podium-place" }, String(player.place)),
       element("img", { src: avatarUrl(player.avatar), alt: "", width: 32, height: 32 }),
-      element("strong", {}, player.name),
+      element("strong", { title: player.name }, player.name),
       player.name === me && element("em", {}, t("podium.you")),
       markOf(player),
       element("span", { className: "podium-note" }, notesOf(player, coded).join(", ")),
