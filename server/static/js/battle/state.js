@@ -12,7 +12,7 @@ export const STOPPED = 0;
 export const COUNTDOWN = 1;
 export const PLAYING = 2;
 
-const WARNING = 30; // s before the robot passes on to others
+const WARNING = 30; // s before the robot goes to others
 
 /**
  * Where this player stands; also the name of the stage's look.
