@@ -50,12 +50,24 @@ def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str,
                 seat_left=player.seat_left,
                 left=False,
                 handicap=player.handicap,
+                taken=0,
+                seconds=0.0,
                 weak=player.robot in weak,
             )
             for player in snapshot.players
         ],
         "result": [
-            _person(placing, ready=False, place=placing.place, seat_left=0.0, left=placing.left, handicap=0, weak=False)
+            _person(
+                placing,
+                ready=False,
+                place=placing.place,
+                seat_left=0.0,
+                left=placing.left,
+                handicap=0,
+                taken=placing.taken,
+                seconds=placing.seconds,
+                weak=False,
+            )
             for placing in snapshot.result
         ],
         "events": [
