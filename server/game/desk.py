@@ -32,10 +32,16 @@ class UnknownError(RefusedError):
 
 
 def start(state: State, rules: Rules, by: str) -> list[Event]:
-    """The battle begins before the countdown is over."""
-    if state.game is not Game.COUNTDOWN:
-        raise RefusedError("no countdown runs: it begins when two players are ready")
-    return [state.next_battle(rules, by)]
+    """The battle begins at once: with who is ready in a countdown, else with everybody who has a robot that is here."""
+    if state.game is Game.PLAYING:
+        raise RefusedError("a battle is running already")
+    if state.game is Game.COUNTDOWN:
+        return [state.next_battle(rules, by)]
+    here = [user for user in state.users if user.robot_gone_at is None]
+    if len(here) < 2:
+        raise RefusedError("a battle takes two players with robots")
+    ready = [events.ReadyChanged(user.name, True) for user in here if not user.ready]
+    return [*ready, events.CountdownStarted(0, by)]  # the battle follows as it does every countdown
 
 
 def abort(state: State, _rules: Rules, by: str) -> list[Event]:

@@ -158,9 +158,10 @@ class TeamChosen:
 @dataclass(frozen=True, slots=True)
 class CountdownStarted:
     seconds: float
+    by: Name = ""  # without waiting for anybody
 
     def __str__(self) -> str:
-        return f"countdown started: {self.seconds:g} s"
+        return f"countdown started: {self.seconds:g} s{_signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -124,6 +124,10 @@ def test_players_see_pause_more_time_and_abort(desk: Page, person: Callable[[str
         expect(ann.page.locator("#ready-btn")).to_have_attribute("data-ready", "false")
         expect(desk.locator("#battle-state")).to_have_text("No battle")
         expect(desk.locator("#log-rows li", has_text="Berta").first).to_be_visible()
+
+        desk.get_by_role("button", name="Start now").click()
+        expect(status).to_have_text("PLAY!")
+        expect(desk.locator("#start small")).to_have_text("A battle is running already.")
         bob.post("signOutUser", data="Bob")
 
 
@@ -306,6 +310,7 @@ def test_everybody_can_use_the_desk_in_german_too(
     desk.keyboard.press("Enter")
     expect(desk.locator("#robots-rows tr")).to_have_count(2)
     expect(desk.locator("#battle-state")).to_have_text("Kein Kampf")
+    expect(desk.locator("#start")).to_contain_text("zwei Spieler mit Robotern; es gibt 0")
     expect(desk.get_by_label("Schaden je Treffer")).to_be_visible()
     see("empty")
     robot_row(desk, 1).get_by_role("button", name="Außer Betrieb nehmen").click()

@@ -18,12 +18,18 @@ test("the battle is told in words, with its clock while one runs", () => {
   assert.deepEqual([told({ state: "playing", paused: true, time_left: 9 }).title, told({ state: "playing", paused: true, time_left: 9 }).clock], ["Paused", "0:09"]);
 });
 
-test("only what makes sense now may be pressed", () => {
-  const enabled = (values) => {
-    const buttons = Object.values(words.battleButtons(game(values)));
-    return buttons.filter((button) => button.enabled).map((button) => button.action);
-  };
-  assert.deepEqual(enabled({}), []);
+test("only what makes sense now may be pressed, and the rest says why not", () => {
+  const buttons = (values, robots = []) => Object.values(words.battleButtons(game(values), robots));
+  const enabled = (...given) => buttons(...given).filter(({ why }) => why === "").map(({ action }) => action);
+  const [ann, bob, free] = [{ player: "Ann" }, { player: "Bob" }, { player: null }];
+  assert.deepEqual(enabled({}, [ann, free]), []);
+  assert.deepEqual(enabled({}, [ann, free, bob]), ["start"]);
+  const reasons = (values, robots) => buttons(values, robots).map(({ why }) => why);
+  assert.deepEqual(reasons({}, [ann]).slice(0, 2), [
+    "Neither a countdown nor a battle is running.", "It takes two players with robots; there are 1.",
+  ]);
+  assert.equal(reasons({ state: "playing" })[1], "A battle is running already.");
+  assert.equal(reasons({ state: "countdown", paused: true })[1], "It is paused.");
   assert.deepEqual(enabled({ state: "countdown" }), ["pause", "start", "add_time", "abort"]);
   assert.deepEqual(enabled({ state: "countdown", paused: true }), ["resume", "add_time", "abort"]);
   assert.deepEqual(enabled({ state: "playing" }), ["pause", "add_time", "abort"]);

@@ -126,11 +126,32 @@ def test_start_begins_the_battle_of_all_who_are_ready(match):
     assert match.hit("ada") == [True]
 
 
-def test_with_fewer_than_two_ready_nothing_starts(match):
-    match.sign_up("ada", "bob")
+def test_start_takes_everybody_with_a_robot_when_nobody_is_ready(match):
+    match.start("ada", "bob", "cy")
+    match.hit("ada", 3)
+    operate(match, desk.abort)
+    operate(match, desk.start)
+    assert (match.state.game, match.state.battle, match.state.time_left) == (2, 2, pytest.approx(300))
+    assert [(player.ready, player.life) for player in match.state.players] == [(True, 100)] * 3
+    assert any(str(recorded.event).endswith("(by Ann)") for recorded in match.referee.take_journal()[-2:])
+    with pytest.raises(desk.RefusedError, match="running already"):
+        operate(match, desk.start)
+
+
+def test_start_leaves_out_whose_robot_is_away(new_match):
+    match = new_match(robots=3)
+    match.sign_up("ada", "bob", "cy")
+    match.ready("cy")
+    match.wait(5, dead_robots=(2,))
+    operate(match, desk.start)
+    assert {player.name for player in match.state.players if player.ready} == {"ada", "bob"}
+
+
+def test_with_fewer_than_two_robots_nothing_starts(match):
+    match.sign_up("ada")
     match.ready("ada")
     before = match.state
-    with pytest.raises(desk.RefusedError, match="two players are ready"):
+    with pytest.raises(desk.RefusedError, match="two players with robots"):
         operate(match, desk.start)
     assert match.state == before
 

@@ -23,7 +23,7 @@ const WAITER = [["name", t("desk.name")], ["place", t("desk.place")], ["offer", 
  * @param {object} on what the rows' buttons do: service(id, inService), identify(id), look(id), drive(id), signOut(name), ban(name), unban(name)
  */
 export function showState(state, on) {
-  showBattle(state.game);
+  showBattle(state.game, state.robots);
   showRobots(state.robots, on);
   showPlayers(state.players, on);
   showQueue(state.queue, on);
@@ -33,7 +33,7 @@ export function showState(state, on) {
   showLog(state.log);
 }
 
-function showBattle(game) {
+function showBattle(game, robots) {
   const { title, clock, hint } = words.battleText(game);
   setText(byId("glance"), clock ? `${title} ${clock}` : title);
   setText(byId("battle-state"), title);
@@ -41,11 +41,12 @@ function showBattle(game) {
   setText(byId("battle-hint"), hint);
   byId("battle").dataset.state = game.paused ? "paused" : game.state;
   byId("glance").dataset.state = byId("battle").dataset.state;
-  for (const [id, { action, text, enabled }] of Object.entries(words.battleButtons(game))) {
+  for (const [id, { action, text, why }] of Object.entries(words.battleButtons(game, robots))) {
     const button = byId(id);
     button.dataset.order = action;
-    setText(button, text);
-    button.setAttribute("aria-disabled", !enabled); // `disabled` would take the focus away
+    setText(button.querySelector("span"), text);
+    setText(button.querySelector("small"), why);
+    button.setAttribute("aria-disabled", why !== ""); // `disabled` would take the focus away
   }
 }
 

@@ -28,16 +28,26 @@ export function battleText({ state, paused, time_left, battle, notice }) {
 
 /**
  * The battle's buttons; the first of them changes between pause and resume.
- * @returns {Record<string, {action: string, text: string, enabled: boolean}>} by the button's id
+ * @param {{state: string, paused: boolean}} game
+ * @param {{player: string|null}[]} robots
+ * @returns {Record<string, {action: string, text: string, why: string}>} by the button's id; `why` it cannot be pressed
+ *   now, empty if it can
  */
-export function battleButtons({ state, paused }) {
-  const runs = state !== "stopped";
+export function battleButtons({ state, paused }, robots) {
+  const nothing = state === "stopped" ? t("desk.why_nothing_runs") : "";
   return {
-    pause: { action: paused ? "resume" : "pause", text: t(paused ? "desk.resume" : "desk.pause"), enabled: runs || paused },
-    start: { action: "start", text: t("desk.start"), enabled: state === "countdown" && !paused },
-    "add-time": { action: "add_time", text: t("desk.add_time", { n: ADDED_TIME }), enabled: runs },
-    abort: { action: "abort", text: t("desk.abort"), enabled: runs },
+    pause: { action: paused ? "resume" : "pause", text: t(paused ? "desk.resume" : "desk.pause"), why: nothing },
+    start: { action: "start", text: t("desk.start"), why: whyNoStart(state, paused, robots) },
+    "add-time": { action: "add_time", text: t("desk.add_time", { n: ADDED_TIME }), why: nothing },
+    abort: { action: "abort", text: t("desk.abort"), why: nothing },
   };
+}
+
+function whyNoStart(state, paused, robots) {
+  if (state === "playing") return t("desk.why_runs");
+  if (paused) return t("desk.why_paused");
+  const driven = robots.filter(({ player }) => player !== null).length;
+  return state === "countdown" || driven >= 2 ? "" : t("desk.why_too_few", { n: driven });
 }
 
 /** How long ago something was heard; null: never. */
