@@ -7,6 +7,7 @@ from laser_bot_battle.names import Game, is_bot
 from server.game import events
 from server.game.events import Event
 from server.game.handicap import follow
+from server.game.presets import Preset
 from server.game.ranking import ranks
 from server.game.snapshot import Happening, Placing
 from server.game.state import MEASURED, TOLD, State
@@ -268,6 +269,17 @@ def _time_added(event: events.TimeAdded, state: State, _at: float) -> None:
 @_change.register
 def _rules_changed(event: events.RulesChanged, state: State, _at: float) -> None:
     state.rules = {rule: value for rule, value in {**state.rules, **event.changes}.items() if value is not None}
+
+
+@_change.register
+def _preset_saved(event: events.PresetSaved, state: State, _at: float) -> None:
+    others = (preset for preset in state.presets if preset.name != event.preset)
+    state.presets = (*others, Preset(event.preset, event.rules))
+
+
+@_change.register
+def _preset_removed(event: events.PresetRemoved, state: State, _at: float) -> None:
+    state.presets = tuple(preset for preset in state.presets if preset.name != event.preset)
 
 
 @_change.register

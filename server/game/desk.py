@@ -11,6 +11,7 @@ from laser_bot_battle.names import Game
 from server.game import events
 from server.game.events import Event
 from server.game.people import BY_OPERATOR
+from server.game.presets import of_now
 from server.game.rules import DECLARED, Rules, checked
 from server.game.state import State
 from server.game.users import is_same_name, is_valid_name
@@ -21,6 +22,8 @@ MAX_BANNED = 1000  # names
 MAX_WORDS = 1000
 MAX_WORD = 32  # characters
 MAX_MESSAGE = 200  # characters
+MAX_PRESETS = 20
+MAX_PRESET = 32  # characters of its name
 
 
 class RefusedError(Exception):
@@ -83,6 +86,25 @@ def change_rules(state: State, _rules: Rules, by: str, changes: Mapping[str, obj
     return [events.RulesChanged(news, by)] if news else []
 
 
+def save_preset(state: State, _rules: Rules, by: str, name: str) -> list[Event]:
+    """The rules as they are now, under that name. ValueError if it is none."""
+    name = name.strip()
+    if not 0 < len(name) <= MAX_PRESET or not name.isprintable():
+        raise ValueError(f"a preset's name has 1 to {MAX_PRESET} printable characters")
+    preset = of_now(name, state.rules)
+    if preset in state.presets:
+        return []
+    if len(state.presets) >= MAX_PRESETS and name not in {one.name for one in state.presets}:
+        raise RefusedError(f"{MAX_PRESETS} presets are kept already: remove one first")
+    return [events.PresetSaved(preset.name, preset.rules, by)]
+
+
+def remove_preset(state: State, _rules: Rules, by: str, name: str) -> list[Event]:
+    if name not in {preset.name for preset in state.presets}:
+        raise UnknownError("there is no such preset of your own")
+    return [events.PresetRemoved(name, by)]
+
+
 def set_service(state: State, _rules: Rules, by: str, robot_id: int, in_service: bool) -> list[Event]:
     """Take a robot out of service, or put it back. Its player is the next to get another one."""
     is_out = robot_id in state.robots.out_of_service
@@ -131,6 +153,12 @@ def take_over(state: State, _rules: Rules, saved: Mapping[str, Any]) -> list[Eve
     changes += [events.NameBanned(name, EARLIER) for name in names]
     if rules:
         changes.append(events.RulesChanged(rules, EARLIER))
+    presets = {preset.name for preset in state.presets}
+    changes += [
+        events.PresetSaved(preset["name"], preset["rules"], EARLIER)
+        for preset in saved.get("presets", ())
+        if preset["name"] not in presets
+    ]
     if saved.get("words") and not state.words:
         changes.append(events.WordsChanged(tuple(saved["words"]), EARLIER))
     return changes

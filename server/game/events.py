@@ -296,6 +296,27 @@ class RulesChanged:
 
 
 @dataclass(frozen=True, slots=True)
+class PresetSaved:
+    """A set of rules is kept, instead of one of the same name."""
+
+    preset: Words
+    rules: Mapping[str, Any]  # values by names in `Rules`; None: the environment's
+    by: Name
+
+    def __str__(self) -> str:
+        return f"the rules are kept as {self.preset}{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
+class PresetRemoved:
+    preset: Words
+    by: Name
+
+    def __str__(self) -> str:
+        return f"the rules {self.preset} are not kept any more{_signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
 class ServiceChanged:
     """A robot is taken out of service, or put back. Out of service, nobody gets it."""
 
@@ -383,6 +404,8 @@ Event = (
     | Resumed
     | TimeAdded
     | RulesChanged
+    | PresetSaved
+    | PresetRemoved
     | ServiceChanged
     | NameBanned
     | NameUnbanned

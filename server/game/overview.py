@@ -3,6 +3,7 @@
 from typing import Any
 
 from laser_bot_battle.names import robot_name
+from server.game.presets import BUILT_IN
 from server.game.rules import DECLARED, Rules
 from server.game.snapshot import Snapshot
 from server.game.state import State
@@ -51,6 +52,11 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
             }
             for name, variable in DECLARED.items()
         },
+        "presets": [
+            {"name": preset.name, "own": own, "rules": dict(preset.rules)}
+            for own, presets in ((False, BUILT_IN), (True, state.presets))
+            for preset in presets
+        ],
         "names": {"banned": list(state.banned), "words": list(state.words)},
     }
 

@@ -10,6 +10,7 @@ from typing import Any
 from laser_bot_battle.names import Game
 from server.game.handicap import Losing
 from server.game.people import NEUTRAL
+from server.game.presets import Preset
 from server.game.robot import Robot, Robots
 from server.game.rules import DECLARED, checked
 from server.game.snapshot import Happening, Placing
@@ -45,6 +46,7 @@ def save(state: State, now: float) -> dict[str, Any]:
         "happenings": state.happenings,
         "out_of_service": sorted(state.robots.out_of_service),
         "rules": dict(state.rules),
+        "presets": [{"name": preset.name, "rules": dict(preset.rules)} for preset in state.presets],
         "banned": state.banned[:],
         "words": list(state.words),
         "message": state.message,
@@ -128,6 +130,7 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             happened=tuple(Happening(**_known(Happening, fields)) for fields in saved.get("happened", ())),
             happenings=int(saved.get("happenings", 0)),
             rules={rule: value for rule, value in saved.get("rules", {}).items() if rule in DECLARED},
+            presets=tuple(_restore_preset(fields) for fields in saved.get("presets", ())),
             banned=list(saved.get("banned", ())),
             words=tuple(saved.get("words", ())),
             message=str(saved.get("message", "")),
@@ -142,6 +145,11 @@ def _fields(one: Placing | Losing | Happening) -> dict[str, Any]:
 
 def _known(kind: type[Placing | Losing | Happening], fields: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in fields.items() if name in kind.__slots__}
+
+
+def _restore_preset(fields: Mapping[str, Any]) -> Preset:
+    rules = {rule: value for rule, value in fields["rules"].items() if rule in DECLARED}
+    return Preset(str(fields["name"]), rules)
 
 
 def _save_robot(robot: Robot) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from laser_bot_battle.names import Game
 from server.game import events
 from server.game.handicap import Losing, handicap
 from server.game.people import Notice, Words
+from server.game.presets import Preset
 from server.game.ranking import ranks
 from server.game.robot import Robots
 from server.game.rules import Rules
@@ -42,6 +43,7 @@ class State:
     happenings: int = 0  # in all battles so far
     # what operators have decided
     rules: Mapping[str, Any] = field(default_factory=dict)  # values instead of the environment's
+    presets: tuple[Preset, ...] = ()
     banned: list[str] = field(default_factory=list)  # names; who is banned is not forgotten
     words: tuple[str, ...] = ()  # that names may not contain
     message: Words = ""

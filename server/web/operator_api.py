@@ -209,6 +209,13 @@ def _add_decisions(api: Blueprint, game: GameLoop) -> None:
     def rules() -> Response:
         return decide(desk.change_rules, changes=_json_object())
 
+    @api.post("/presets")
+    def presets() -> Response:
+        change = json_body(save=(str,), remove=(str,))
+        if len(change) != 1:
+            _refuse(400, "one of save, remove is needed")
+        return decide(desk.save_preset if "save" in change else desk.remove_preset, name=next(iter(change.values())))
+
     @api.post("/message")
     def message() -> Response:
         return decide(desk.show, text=_needed(json_body(text=(str,)), "text"))

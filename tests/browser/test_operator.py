@@ -152,9 +152,36 @@ def test_a_rule_counts_at_once_until_it_is_reset(desk: Page, person: Callable[[s
         expect(ann.page.locator("#game-status")).to_have_text("PLAY!")
         bob.post("signOutUser", data="Bob")
     for name in ("Countdown", "Hit damage"):
-        desk.get_by_role("button", name=f"Reset {name}").click()
-        expect(desk.get_by_role("button", name=f"Reset {name}")).to_have_count(0)
+        desk.get_by_role("button", name=re.compile(f"Back to .* {name}")).click()
+        expect(desk.get_by_role("button", name=re.compile(f"Back to .* {name}"))).to_have_count(0)
     expect(countdown).to_have_value("15")
+
+
+def test_presets_hold_at_one_press_and_own_ones_are_kept(desk: Page) -> None:
+    children, damage = desk.get_by_role("button", name="Children"), desk.get_by_label("Hit damage")
+    countdown = desk.get_by_label("Countdown", exact=True)
+    standard = countdown.input_value()
+    damage.fill("33")
+    desk.get_by_label("Name of a new preset").fill("Ours")
+    desk.get_by_role("button", name="Keep these rules").click()
+    expect(desk.locator("#problem")).to_contain_text("Hit damage")
+    desk.get_by_role("button", name="OK", exact=True).click()
+    desk.get_by_role("button", name="Save rules").click()
+    expect(desk.locator("#rules-changed")).to_have_text("")
+    desk.get_by_role("button", name="Keep these rules").click()
+    ours = desk.get_by_role("button", name="Ours", exact=True)
+    expect(ours).to_have_attribute("aria-pressed", "true")
+    countdown.fill("44")
+    children.click()
+    expect(children).to_have_attribute("aria-pressed", "true")
+    expect(ours).to_have_attribute("aria-pressed", "false")
+    expect(damage).to_have_value("5")
+    expect(countdown).to_have_value("20")
+    ours.click()
+    expect(damage).to_have_value("33")
+    expect(countdown).to_have_value(standard)
+    desk.get_by_role("button", name="Remove Ours").click()
+    expect(ours).to_have_count(0)
 
 
 def test_a_refused_rule_changes_nothing_and_says_why(desk: Page) -> None:

@@ -47,6 +47,8 @@ def test_the_bounds_are_those_of_the_code() -> None:
         f"1 to {desk.MAX_ADDED}",
         f"up to {desk.MAX_WORDS}",
         f"up to {desk.MAX_MESSAGE} characters",
+        f"up to {desk.MAX_PRESET} characters",
+        f"at most {desk.MAX_PRESETS} times",
         f"at least {SHORTEST} characters",
         f"{attempts.FREE} at once",
     ):

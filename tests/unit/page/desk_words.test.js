@@ -6,7 +6,6 @@ import * as words from "../../../server/static/js/desk/words.js";
 afterEach(() => speak("en"));
 
 const game = (values) => ({ state: "stopped", paused: false, time_left: 0, battle: 3, notice: "", message: "", ...values });
-const rule = (values) => ({ value: 10, default: 10, min: 1, max: 100, text: "life (of 100) that a hit takes", ...values });
 
 test("the battle is told in words, with its clock while one runs", () => {
   const told = (values) => words.battleText(game(values));
@@ -64,20 +63,6 @@ test("players and those who wait", () => {
   assert.equal(words.waiterText({ offer: 0, seconds: 17.5 }), "robot 0 is on offer for 18 s more");
 });
 
-test("a rule is named, explained and bounded", () => {
-  assert.equal(words.ruleName("battles_in_row"), "Battles in a row");
-  assert.deepEqual(words.ruleText(rule()), { meaning: "Life (of 100) that a hit takes.", bounds: "From 1 to 100. Default: 10." });
-  const flag = rule({ default: false, min: null, max: null, text: "1: all may" });
-  assert.deepEqual(words.ruleText(flag), { meaning: "All may.", bounds: "Default: off." });
-  assert.equal(words.ruleText(rule({ text: "what a shot is: `plain`, `coded`" })).meaning, "What a shot is: plain, coded.");
-});
-
-test("only the rules that differ are sent", () => {
-  const rules = { hit_damage: rule(), countdown: rule({ value: 15 }), practice: rule({ value: false }) };
-  assert.deepEqual(words.changedRules({ hit_damage: 10, countdown: 5, practice: true }, rules), { countdown: 5, practice: true });
-  assert.deepEqual(words.changedRules({ hit_damage: 10, countdown: 15, practice: false }, rules), {});
-});
-
 test("one word on each line, each once, without the spaces around it", () => {
   assert.deepEqual(words.parseWords(" bad\n\nworse one \r\nbad\n"), ["bad", "worse one"]);
   assert.deepEqual(words.parseWords(""), []);
@@ -89,7 +74,6 @@ test("the desk speaks the page's language, its numbers and clock too", () => {
   assert.equal(words.battleText(over).hint, "Kampf beendet: Bob wurde abgeschossen.");
   assert.equal(words.battleText(game({ battle: 1 })).hint, "Bisher hat 1 Kampf begonnen.");
   assert.equal(words.playerText({ life: 70, ready: true, seat_left: 0, page_age: 0.4 }).life, "70\u00a0%");
-  assert.equal(words.ruleText(rule({ min: 0.5, max: 9, default: 2.5 })).bounds, "Von 0,5 bis 9. Standard: 2,5.");
   assert.match(words.timeText(Date.UTC(2026, 10, 24, 12) / 1000), /^\d\d:00:00$/);
 });
 
@@ -117,11 +101,6 @@ test("all that a robot says of itself", () => {
   assert.match(text, /light packets 7, broken ones 3, shots 9/);
   assert.match(words.healthDetails(health({ board: null })), /no report of the Arduino/);
   assert.equal(words.healthDetails(null), "");
-});
-
-test("a rule whose values are words", () => {
-  assert.equal(words.ruleText({ ...rule(), default: "plain", min: null, max: null }).bounds, "Default: plain.");
-  assert.deepEqual(words.changedRules({ light: "coded" }, { light: rule({ value: "plain" }) }), { light: "coded" });
 });
 
 test("a camera that somebody looks through", () => {

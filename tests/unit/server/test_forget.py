@@ -16,6 +16,7 @@ from server.game.events import Event, Fighter, kind_of, to_json
 from server.game.handicap import Losing
 from server.game.people import AGAIN, BY_OPERATOR, TIME_LIMIT
 from server.game.persistence import save
+from server.game.presets import Preset
 from server.game.robot import Robots
 from server.game.snapshot import Happening, Placing
 from server.game.state import State
@@ -74,6 +75,8 @@ def happened(who: str, word: str) -> list[Event]:
         events.Resumed(who),
         events.TimeAdded(5.0, who),
         events.RulesChanged({"light": word, word: None}, who),
+        events.PresetSaved(f"of {who}", {"light": word}, who),
+        events.PresetRemoved(f"of {who}", who),
         events.ServiceChanged(1, False, who),
         events.NameBanned(who, who),
         events.NameUnbanned(who, who),
@@ -96,6 +99,7 @@ def saved(who: str, word: str, ended: Event) -> dict[str, Any]:
     state.result = (Placing(name=who, robot=1, life=20, avatar=2, place=1, left=True),)
     state.happened = (Happening(1, "Zoë", who, 90), Happening(2, who, "", 90))
     state.rules, state.words, state.message = {"light": word}, (word, "Zoë"), f"({who})"
+    state.presets = (Preset(f"of {who}", {"light": word}),)
     state.banned = [f"{word}x"]
     return through_json(save(state, 20.0))
 

@@ -156,6 +156,7 @@ ROUTES = {
     ("POST", "/operator/api/names"): {"ban": "ada"},
     ("POST", "/operator/api/robots/0"): {"in_service": False},
     ("PUT", "/operator/api/rules"): {"hit_damage": 50},
+    ("POST", "/operator/api/presets"): {"save": "ours"},
     ("POST", "/operator/api/message"): {"text": "hello"},
 }
 DECISIONS = [route for route in ROUTES if route[0] != "GET"]
@@ -349,6 +350,10 @@ IMPOSSIBLE: dict[tuple[str, str], list[dict[str, Any]]] = {
         {"countdown": 1e400}, {"seats": 129}, {"seats": -1}, {"robot_timeout": 5}, {"hit_damage": 20, "countdown": 0},
         {"hit_damage": 20, "none": 1},
     ],
+    ("POST", "presets"): [
+        {}, {"save": "a", "remove": "b"}, {"save": 1}, {"save": ""}, {"save": " "}, {"save": "x" * 33},
+        {"save": "a\nb"}, {"apply": "children"},
+    ],
     ("POST", "message"): [
         {}, {"text": None}, {"text": 5}, {"text": ["x"]}, {"text": "x" * 201}, {"text": "a\nb"}, {"text": "a\u0007"},
         {"text": "a\u202eb"}, {"text": "\ud800"}, {"message": "x"},
@@ -499,6 +504,25 @@ def test_rules_change_at_once_all_or_none_and_back(site: Site) -> None:
     assert site.state["rules"]["hit_damage"]["value"] == 10
 
 
+def test_rules_are_kept_as_a_preset_and_hold_again(site: Site) -> None:
+    operator = site.operator()
+    done(operator.put("/operator/api/rules", json={"hit_damage": 60}))
+    done(operator.post("/operator/api/presets", json={"save": "Our evening"}))
+    presets = {one["name"]: one for one in operator.get("/operator/api/state").json["presets"]}
+    assert {name for name, one in presets.items() if not one["own"]} == {
+        "children", "beginners", "tournament", "short_rounds",
+    }  # fmt: skip
+    done(operator.put("/operator/api/rules", json=presets["children"]["rules"]))
+    assert (site.referee.saved(0.0)["rules"]["hit_damage"], site.state["rules"]["countdown"]["value"]) == (5, 20)
+    done(operator.put("/operator/api/rules", json=presets["Our evening"]["rules"]))
+    rules = site.state["rules"]
+    assert {name: rule["value"] for name, rule in rules.items() if rule["value"] != rule["default"]} == {
+        "hit_damage": 60,
+    }  # fmt: skip
+    done(operator.post("/operator/api/presets", json={"remove": "Our evening"}))
+    refused(operator.post("/operator/api/presets", json={"remove": "children"}), 404)
+
+
 def test_a_message_is_shown_and_taken_back(site: Site) -> None:
     operator = site.operator()
     done(operator.post("/operator/api/message", json={"text": " <b>Pause</b> bis 15:00 ☕ "}))
@@ -514,6 +538,7 @@ def test_what_is_so_already_is_no_event(site: Site) -> None:
         ("POST", "names", {"words": ["x"]}),
         ("POST", "robots/0", {"in_service": False}),
         ("PUT", "rules", {"hit_damage": 50}),
+        ("POST", "presets", {"save": "ours"}),
         ("POST", "message", {"text": "hello"}),
     ):
         site.keep()
@@ -531,8 +556,8 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     site.players("cy", "dee")
     state = site.operator().get("/operator/api/state").json
     assert state.keys() == {
-        "time", "game", "robots", "players", "queue", "rules", "names", "database", "versions", "operator", "log",
-        "has_journal",
+        "time", "game", "robots", "players", "queue", "rules", "presets", "names", "database", "versions", "operator",
+        "log", "has_journal",
     }  # fmt: skip
     assert state["game"].keys() == {"state", "paused", "time_left", "battle", "notice", "message"}
     assert state["robots"][0].keys() >= {

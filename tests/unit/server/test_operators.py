@@ -314,6 +314,7 @@ def decided_all(match) -> None:
     operate(match, desk.set_service, robot_id=3, in_service=False)
     operate(match, desk.ban, name="cy")
     operate(match, desk.set_words, words=["damn"])
+    operate(match, desk.save_preset, name="ours")
     operate(match, desk.show, text="Hello")
 
 
@@ -324,7 +325,7 @@ def test_what_operators_have_decided_outlives_the_program(match):
     after = match.referee.overview(match.now)
     assert match.state == before
     assert after["game"] == overview["game"], "the clock stands while the program is away, too"
-    for part in ("rules", "names"):
+    for part in ("rules", "presets", "names"):
         assert after[part] == overview[part]
     assert [robot["in_service"] for robot in after["robots"]] == [True, True, True, False]
     operate(match, desk.resume)
@@ -344,7 +345,7 @@ def test_a_place_at_the_head_of_the_queue_outlives_the_program(new_match):
 def test_the_state_of_an_older_program_is_understood(match):
     match.start("ada", "bob")
     saved = match.referee.saved(match.now)
-    for news in ("paused", "out_of_service", "rules", "banned", "words", "message"):
+    for news in ("paused", "out_of_service", "rules", "presets", "banned", "words", "message"):
         del saved[news]
     before = match.state
     match.referee.saved = lambda now: saved

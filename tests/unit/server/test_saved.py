@@ -125,6 +125,8 @@ def test_every_event_survives_json(match):
     for event in (
         events.TimeAdded(5.0, "Ann"),
         events.RulesChanged({"hit_damage": 5, "practice": True, "idle": None}, "Ann"),
+        events.PresetSaved("ours", {"hit_damage": 5, "idle": None}, "Ann"),
+        events.PresetRemoved("ours", "Ann"),
         events.ServiceChanged(2, False, "Ann"),
         events.NameBanned("eve", "Ann"),
         events.NameUnbanned("eve", "Ann"),

@@ -47,6 +47,7 @@ export const names = (change) => call("POST", "names", change);
 export const setService = (id, inService) => call("POST", `robots/${id}`, { in_service: inService });
 export const identify = (id) => call("POST", `robots/${id}/identify`, {});
 export const setRules = (values) => call("PUT", "rules", values);
+export const presets = (change) => call("POST", "presets", change);
 export const showMessage = (text) => call("POST", "message", { text });
 
 /** Sign this browser out of the desk. */

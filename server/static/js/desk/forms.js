@@ -1,13 +1,14 @@
 // The desk's forms: what the server says fills them, but never over what somebody has typed.
 
 import { element, setText } from "../common/dom.js";
-import { showRows } from "./rows.js";
-import * as words from "./words.js";
+import { rowButton, showRows } from "./rows.js";
+import * as words from "./rule_words.js";
+import { parseWords } from "./words.js";
 import { list, t } from "../common/words.js";
 
 const byId = (id) => document.getElementById(id);
 
-/** The rules, one row each. */
+/** The rules, one row each, under the titles of their groups. */
 export class RulesForm {
   #rules = {};
   #onReset;
@@ -27,21 +28,25 @@ export class RulesForm {
   show(rules) {
     const before = this.#rules;
     this.#rules = rules;
-    showRows(byId("rules-rows"), Object.entries(rules), {
-      key: ([name]) => name,
-      make: ([name, rule]) => this.#row(name, rule),
-      fill: (row, [name, { value, default: standard }]) => {
-        const input = field(name, row);
-        if (!before[name] || valueOf(input) === before[name].value) setValue(input, value);
-        row.querySelector("button").hidden = value === standard;
-      },
+    showRows(byId("rules-rows"), words.groupedRules(rules), {
+      key: ({ group, name }) => (group ? `group ${group}` : name),
+      make: ({ group, name, rule }) => (group ? element("h3", {}, t(`desk.group_${group}`)) : this.#row(name, rule)),
+      fill: (row, { name, rule }) => name && this.#fill(row, name, rule, before[name]),
     });
     this.#showChanged();
   }
 
-  /** Forget what somebody has typed for this rule. */
-  forget(name) {
-    setValue(field(name), this.#rules[name].value);
+  #fill(row, name, { value, default: standard }, before) {
+    const input = field(name, row);
+    if (!before || valueOf(input) === before.value) setValue(input, value);
+    row.classList.toggle("is-other", value !== standard);
+    row.querySelector("button").hidden = value === standard;
+    setText(row.querySelector("button span"), t("desk.reset_to", { value: words.valueText(standard) }));
+  }
+
+  /** Forget what somebody has typed for these rules. */
+  forget(...names) {
+    for (const name of names) setValue(field(name), this.#rules[name].value);
   }
 
   #row(name, rule) {
@@ -53,8 +58,7 @@ export class RulesForm {
       input.focus(); // the button goes
       this.#onReset(name);
     };
-    const reset = element("button", { type: "button", className: "button quiet", onclick }, t("desk.reset"));
-    reset.append(element("span", { className: "visually-hidden" }, ` ${words.ruleName(name)}`));
+    const reset = rowButton("", words.ruleName(name), onclick);
     const { meaning, bounds } = words.ruleText(rule);
     return element(
       "div",
@@ -100,7 +104,7 @@ export class WordsForm {
   }
 
   get words() {
-    return words.parseWords(byId("forbidden").value);
+    return parseWords(byId("forbidden").value);
   }
 
   get #isChanged() {

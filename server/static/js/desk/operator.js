@@ -5,16 +5,40 @@ import * as dialogs from "../common/dialogs.js";
 import { RulesForm, WordsForm } from "./forms.js";
 import { Cameras } from "./cameras.js";
 import { Journal } from "./journal.js";
+import { Presets } from "./presets.js";
+import { presetName, ruleName } from "./rule_words.js";
 import { TestDrive } from "./drive.js";
 import { INTERVAL, Poll } from "./poll.js";
 import * as view from "./view.js";
 import { ADDED_TIME } from "./words.js";
 import { connectPreferences } from "../common/preferences.js";
-import { t } from "../common/words.js";
+import { list, t } from "../common/words.js";
 
 const byId = (id) => document.getElementById(id);
 
 const rules = new RulesForm((name) => act(() => api.setRules({ [name]: null }), () => rules.forget(name)));
+const presets = new Presets({
+  apply: (preset) =>
+    act(
+      () => api.setRules(preset.rules),
+      () => {
+        rules.forget(...Object.keys(rules.changed));
+        dialogs.toast(t("desk.preset_applied", { name: presetName(preset) }));
+      },
+    ),
+  save: (name) => {
+    const unsaved = Object.keys(rules.changed);
+    if (unsaved.length) return view.showProblem(t("desk.preset_unsaved", { names: list(unsaved.map(ruleName)) }));
+    return act(
+      () => api.presets({ save: name }),
+      () => {
+        byId("preset-form").reset();
+        dialogs.toast(t("desk.preset_saved", { name }));
+      },
+    );
+  },
+  remove: ({ name }) => act(() => api.presets({ remove: name })),
+});
 const words = new WordsForm();
 const drive = new TestDrive();
 const cameras = new Cameras();
@@ -27,6 +51,7 @@ const poll = new Poll({
     view.showLost(null);
     view.showState(state, on);
     rules.show(state.rules);
+    presets.show(state.presets, state.rules);
     words.show(state.names.words);
     journal.show(state.has_journal);
     const driven = state.robots.find(({ id }) => id === drive.robot);

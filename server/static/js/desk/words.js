@@ -136,36 +136,6 @@ export function waiterText({ offer, seconds }) {
   return t("desk.offered", { id: offer, n: Math.ceil(seconds) });
 }
 
-/** A rule's name for people. */
-export const ruleName = (key) => t(`desk.rule_${key}`);
-
-const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1);
-
-function valueText(value) {
-  if (typeof value === "boolean") return t(value ? "desk.on" : "desk.off");
-  return typeof value === "number" ? number(value) : value;
-}
-
-/**
- * What a rule means, which values it takes and which is its default.
- * @returns {{meaning: string, bounds: string}} the meaning is the server's, in English
- */
-export function ruleText({ default: standard, min, max, text }) {
-  const range = min === null ? "" : `${t("desk.rule_range", { min, max })} `;
-  // an environment's flag is 0 or 1, the desk's a box; the server's text is Markdown
-  const meaning = text.replace(/^1: /, "").replaceAll("`", "");
-  return { meaning: `${sentence(meaning)}.`, bounds: `${range}${t("desk.rule_default", { value: valueText(standard) })}` };
-}
-
-/**
- * The rules that a form wants otherwise than they are.
- * @param {Record<string, number|boolean|string>} wanted
- * @param {Record<string, {value: number|boolean|string}>} rules
- */
-export function changedRules(wanted, rules) {
-  return Object.fromEntries(Object.entries(wanted).filter(([name, value]) => rules[name].value !== value));
-}
-
 /** The words of a text with one on each line, each once. */
 export function parseWords(text) {
   return [...new Set(text.split("\n").map((word) => word.trim()))].filter(Boolean);
