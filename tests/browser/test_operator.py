@@ -360,6 +360,25 @@ def test_everybody_can_use_the_desk_in_german_too(
     desk.close()
 
 
+def test_sixteen_robots_fit_on_the_screen_of_a_laptop(chromium: Browser, battle: Demo, screenshots: Path) -> None:
+    desk = open_desk(chromium, battle, 1366, 768)
+    rows = desk.locator("#robots-rows tr")
+    expect(rows).to_have_count(2)
+    state = desk.request.get(f"{battle.web}/operator/api/state").json()
+    robot = {**state["robots"][0], "name": "raspberrypi16", "host": "192.168.111.116", "player": "Wolfgang_Amadeus"}
+    state["robots"] = [{**robot, "id": number, "in_service": number != 5} for number in range(1, 17)]
+    desk.route("**/operator/api/state", lambda route: route.fulfill(json=state))
+    expect(rows).to_have_count(16)
+    desk.locator("#robots").evaluate("section => section.scrollIntoView()")
+    boxes = rows.evaluate_all("rows => rows.map((row) => row.getBoundingClientRect())")
+    assert boxes[0]["top"] >= desk.locator(".desk-top").evaluate("top => top.getBoundingClientRect().bottom")
+    assert boxes[-1]["bottom"] <= 768
+    assert desk.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert violations(desk) == []
+    desk.screenshot(path=screenshots / "desk-laptop.png")
+    desk.close()
+
+
 @pytest.mark.parametrize("way", ["upright", pytest.param("sideways", marks=pytest.mark.slow)])
 def test_a_phone_shows_the_desk_without_scrolling_sideways(
     way: str, chromium: Browser, battle: Demo, screenshots: Path

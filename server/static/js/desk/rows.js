@@ -1,6 +1,6 @@
 // Rows that stay while their contents change: focus, selection and a finger on a button outlive a redraw.
 
-import { element, setText } from "../common/dom.js";
+import { element, icon, setText } from "../common/dom.js";
 
 /**
  * Show `items` as the rows of a table's body or of a list.
@@ -67,4 +67,19 @@ export function rowButton(text, about, onClick, className = "quiet") {
   const button = element("button", { type: "button", className: `button ${className}`, onclick: onClick });
   button.append(element("span", {}, text), element("span", { className: "visually-hidden" }, ` ${about}`));
   return button;
+}
+
+/** The same with a picture, beside which a compact row has no room for the text: that is its tooltip then. */
+export function iconButton(picture, text, about, onClick) {
+  const button = rowButton(text, about, onClick);
+  button.classList.add("with-icon");
+  button.prepend(icon(picture));
+  setButton(button, text);
+  return button;
+}
+
+/** Give a row's button another text. */
+export function setButton(button, text) {
+  setText(button.querySelector("span"), text);
+  button.title = text;
 }

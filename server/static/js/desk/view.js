@@ -1,7 +1,7 @@
 // The desk's elements, set from the state. All that comes from names is set as text.
 
 import { element, setText } from "../common/dom.js";
-import { rowButton, setCell, showRows, tableRow } from "./rows.js";
+import { iconButton, rowButton, setButton, setCell, showRows, tableRow } from "./rows.js";
 import * as words from "./words.js";
 import { t } from "../common/words.js";
 
@@ -54,10 +54,11 @@ function showRobots(robots, on) {
   showRows(byId("robots-rows"), robots, {
     key: ({ id }) => String(id),
     make: ({ id }) => {
-      const service = rowButton("", t("desk.of_robot", { id }), () => on.service(id, service.dataset.to === "in"));
-      const drive = rowButton(t("desk.test_drive"), t("desk.of_robot", { id }), () => on.drive(id));
-      const identify = rowButton(t("desk.identify"), t("desk.of_robot", { id }), () => on.identify(id));
-      const look = rowButton(t("desk.camera"), t("desk.of_robot", { id }), () => on.look(id));
+      const about = t("desk.of_robot", { id });
+      const service = iconButton("power", "", about, () => on.service(id, service.dataset.to === "in"));
+      const drive = iconButton("gamepad", t("desk.test_drive"), about, () => on.drive(id));
+      const identify = iconButton("lamp", t("desk.identify"), about, () => on.identify(id));
+      const look = iconButton("camera", t("desk.camera"), about, () => on.look(id));
       service.dataset.button = "service";
       drive.dataset.button = "drive";
       return tableRow(ROBOT, [identify, look, service, drive]);
@@ -70,11 +71,16 @@ function showRobots(robots, on) {
       setCell(row, "ping", ping);
       setCell(row, "link", link);
       setCell(row, "health", words.healthText(robot.health));
-      row.querySelector('[data-field="health"]').title = words.healthDetails(robot.health);
+      const health = row.querySelector('[data-field="health"]');
+      health.title = [health.textContent, words.healthDetails(robot.health)].filter(Boolean).join("\n");
+      for (const field of ["host", "player"]) {
+        const cell = row.querySelector(`[data-field="${field}"]`);
+        cell.title = cell.textContent; // there may be no room for all of it
+      }
       row.classList.toggle("is-out", !robot.in_service);
       const service = row.querySelector("[data-button=service]");
       service.dataset.to = robot.in_service ? "out" : "in";
-      setText(service.firstElementChild, t(robot.in_service ? "desk.take_out" : "desk.put_in"));
+      setButton(service, t(robot.in_service ? "desk.take_out" : "desk.put_in"));
       row.querySelector("[data-button=drive]").hidden = robot.in_service;
     },
   });
