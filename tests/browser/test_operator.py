@@ -1,7 +1,9 @@
 """The operator's desk in a real browser, on the whole chain: what is pressed there, and what players then see."""
 
+import math
 import re
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -14,6 +16,7 @@ from tests.support.journals import KERNEL, from_container, write_journal
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
+AIMED = 0.1  # rad; light is wider
 ANSWERS = 3  # to a question each second
 PHONES = {"upright": (375, 812), "sideways": (812, 375)}
 
@@ -274,6 +277,43 @@ def test_who_is_banned_is_out_until_the_ban_ends(desk: Page, person: Callable[[s
     desk.get_by_role("button", name="Unban Ann").click()
     expect(desk.get_by_text("Nobody is banned.")).to_be_visible()
     ann.log_in()
+
+
+def put_face_to_face(battle: Demo) -> None:
+    """Other tests have driven the robots about."""
+    with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob, Eyes(battle) as eyes:
+
+        def off(me: int) -> float:
+            own, other = eyes.robots()[me], eyes.robots()[1 - me]
+            direction = math.atan2(other["y"] - own["y"], other["x"] - own["x"])
+            return math.remainder(direction - own["heading"], math.tau)
+
+        def faces(player: Player, looks: list[bool]) -> bool:
+            angle = off(player.robot)
+            looks.append(abs(angle) < AIMED)
+            player.drive(angular=0 if looks[-1] else -1 if angle > 0 else 1)
+            return len(looks) > 10 and all(looks[-10:])  # it stands
+
+        for player in (ann, bob):
+            until(partial(faces, player, []), 30, "the robot faces the other one")
+
+
+def test_in_the_light_check_each_robot_flashes_and_the_others_see_it(desk: Page, battle: Demo) -> None:
+    battle.play_by(practice=True)
+    put_face_to_face(battle)
+    check = desk.get_by_role("region", name="Before the evening")
+    check.get_by_role("button", name="Light check").click()
+    expect(check.get_by_role("status")).to_have_text("All robots flash and see.")
+    expect(check.locator("#check-rows tr td[data-field=seen]")).to_have_text(["1", "0"])
+    battle.play_by(countdown=30)
+    with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob:
+        check.get_by_role("button", name="Light check").click()
+        expect(check.get_by_role("button", name="Stop the light check")).to_be_visible()
+        assert ann.ready() == bob.ready() == "OK"
+        expect(check.get_by_role("button", name="Light check")).to_have_attribute("aria-disabled", "true")
+        expect(check.get_by_role("status")).to_contain_text("Only while")
+        for one in (ann, bob):
+            one.post("signOutUser", data=one.name)
 
 
 def test_focus_stays_while_the_desk_is_redrawn(desk: Page, battle: Demo) -> None:

@@ -5,8 +5,10 @@ import * as dialogs from "../common/dialogs.js";
 import { RulesForm, WordsForm } from "./forms.js";
 import { Cameras } from "./cameras.js";
 import { Journal } from "./journal.js";
+import { LightCheck } from "./light_check.js";
 import { Presets } from "./presets.js";
 import { presetName, ruleName } from "./rule_words.js";
+import { SoundCheck } from "./sound_check.js";
 import { TestDrive } from "./drive.js";
 import { INTERVAL, Poll } from "./poll.js";
 import * as view from "./view.js";
@@ -43,6 +45,8 @@ const words = new WordsForm();
 const drive = new TestDrive();
 const cameras = new Cameras();
 const journal = new Journal();
+const lightCheck = new LightCheck(showFailure);
+const soundCheck = new SoundCheck();
 
 const poll = new Poll({
   ask: api.state,
@@ -54,6 +58,7 @@ const poll = new Poll({
     presets.show(state.presets, state.rules);
     words.show(state.names.words);
     journal.show(state.has_journal);
+    lightCheck.show(state.game, state.robots);
     const driven = state.robots.find(({ id }) => id === drive.robot);
     if (!driven || driven.in_service) drive.stop();
   },
@@ -68,11 +73,15 @@ async function act(order, then = () => {}) {
     view.showProblem("");
     then();
   } catch (error) {
-    if (error.status === 401) location.reload();
-    if (error.status) view.showProblem(error.message, error.lang);
-    else view.showProblem(t("desk.no_answer"));
+    showFailure(error);
   }
   await poll.refresh();
+}
+
+function showFailure(error) {
+  if (error.status === 401) location.reload();
+  if (error.status) view.showProblem(error.message, error.lang);
+  else view.showProblem(t("desk.no_answer"));
 }
 
 /** Do it once somebody has said yes. */
@@ -132,6 +141,10 @@ byId("ban-form").addEventListener("submit", (event) => {
 byId("message-clear").addEventListener("click", () => {
   byId("message-text").focus(); // the button goes
   act(() => api.showMessage(""));
+});
+byId("check-sound").addEventListener("click", () => {
+  soundCheck.play();
+  dialogs.toast(t("desk.sound_hear"));
 });
 byId("problem-close").addEventListener("click", () => view.showProblem(""));
 byId("sign-out").addEventListener("click", async () => {
