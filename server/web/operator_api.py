@@ -1,4 +1,4 @@
-"""The operators' JSON API (docs/operator.md): what they see, and what they decide.
+"""The operators' JSON API (docs/operator-api.md): what they see, and what they decide.
 
 Answers are application/json, refusals `{"error": why}` with 400 or more; those change nothing.
 """

@@ -1,4 +1,4 @@
-"""docs/operator.md against the operators' routes and bounds."""
+"""docs/operator-api.md and docs/operator.md against the operators' routes and bounds."""
 
 from flask import Flask
 
@@ -17,7 +17,7 @@ from server.web.operator_api import create_operator_api
 from server.web.settings import Settings
 from tests.support.documents import page, table
 
-PAGE = page("operator.md")
+PAGE, GUIDE = page("operator-api.md"), page("operator.md")
 
 
 def test_the_page_has_every_route_and_no_other() -> None:
@@ -52,4 +52,4 @@ def test_the_bounds_are_those_of_the_code() -> None:
         f"at least {SHORTEST} characters",
         f"{attempts.FREE} at once",
     ):
-        assert bound in PAGE
+        assert bound in PAGE + GUIDE
