@@ -67,7 +67,7 @@ def _service_changed(event: events.ServiceChanged, state: State, _at: float) -> 
 @_change.register
 def _signed_up(event: events.SignedUp, state: State, at: float) -> None:
     user = User(event.name, event.robot, event.session, event.avatar, seen=at, idle_since=at, address=event.address)
-    _seat(state, user)
+    _seat(state, user, at)
 
 
 @_change.register
@@ -106,7 +106,7 @@ def _seated(event: events.Seated, state: State, at: float) -> None:
         idle_since=at,
         address=waiting.address,
     )
-    _seat(state, user)
+    _seat(state, user, at)
 
 
 @_change.register
@@ -319,7 +319,8 @@ def _withdraw(state: State, robot_id: int) -> None:
             _give(state, robot_id, None)
 
 
-def _seat(state: State, user: User) -> None:
+def _seat(state: State, user: User, at: float) -> None:
+    user.seated_at = at
     state.users.add_user(user)
     _give(state, user.robot, user.name)
 

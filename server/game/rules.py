@@ -35,6 +35,7 @@ class Rules:
     idle: float = _chosen(variables.IDLE)  # without being ready while others wait
     offer: float = _chosen(variables.OFFER)  # to take a robot that is offered
     battles_in_row: int = _chosen(variables.BATTLES_IN_ROW)  # while others wait; 0: as many as one likes
+    seat_minutes: float = _chosen(variables.SEAT_MINUTES)  # likewise, of one seat
     seats: int = _chosen(variables.SEATS)  # robots that are given to players at once; 0: all
     practice: bool = _chosen(variables.PRACTICE)  # driving without a battle
     practice_beside: bool = _chosen(variables.PRACTICE_BESIDE)  # driving while others fight

@@ -2,9 +2,9 @@
 
 A robot that nobody has is offered to whoever has waited longest; who does not take it in time is behind the next one
 then, and out the second time. While somebody waits, a seat is not for ever: a player who is not ready for a while loses
-it to somebody who has waited as long, and so does, between battles, one who has played several in a row. Both then wait
-behind the others. An address that has a robot gets another one only when nobody from elsewhere waits. Bots do not wait,
-and make room for people at once.
+it to somebody who has waited as long, and so does, between battles, one who has played several in a row, or has had the
+robot for as long as one may. They all then wait behind the others. An address that has a robot gets another one only
+when nobody from elsewhere waits. Bots do not wait, and make room for people at once.
 """
 
 from collections.abc import Iterator
@@ -64,6 +64,9 @@ def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left |
             yield user.robot_gone_at + rules.robot_return, events.Left(user.name, "lost the robot")
     for name, ends in seat_ends(state, rules).items():
         yield ends, events.Unseated(name, f"was not ready for {rules.idle:g} s while others waited")
+    for user in _long_seated(state) if rules.seat_minutes else ():
+        how = f"has had the robot for {rules.seat_minutes:g} min, and others wait"
+        yield user.seated_at + rules.seat_minutes * 60, events.Unseated(user.name, how)
     strangers = _strangers(state)
     one_of_several = _one_of_several(state) if strangers else None
     if one_of_several is not None:
@@ -98,6 +101,17 @@ def estimate(place: int, state: State, rules: Rules) -> float:
     battle = fmean(state.lengths) if state.lengths else rules.battle_limit / 2
     turn = (rules.battles_in_row or 1) * (battle + rules.countdown + _PAUSE)
     return turn * place / robots
+
+
+def _long_seated(state: State) -> list[User]:
+    """Who gives up a seat as soon as its time is over: one for each in the queue for whom nobody has done so yet, the
+    longest seated first, and of equal ones the last in the ranking. Nobody does in a countdown or battle."""
+    if state.game is not Game.STOPPED:
+        return []
+    waiting = sum(one.offer is None and not one.passed_on for one in state.queue)
+    seated = [*reversed([*state.users])]
+    seated.sort(key=attrgetter("seated_at"))
+    return seated[:waiting]
 
 
 def _bots_that_can_go(state: State) -> Iterator[User]:

@@ -70,6 +70,7 @@ class User:
     idle_since: float = 0.0  # when the player would have begun to be not ready, had it been at one stretch
     ready_since: float = 0.0
     robot_gone_at: float | None = None  # when the robot fell silent; None while it is there
+    seated_at: float = 0.0
     battles: int = 0  # since the player has this seat
     address: str = ""  # a mark of the page's, "" if it is not known
     wish: int = 0  # the team that the player has chosen; 0: none

@@ -240,6 +240,13 @@ OFFER = number("LASERBOT_OFFER", 20, 1, 3600, "seconds that somebody who has wai
 BATTLES_IN_ROW = whole(
     "LASERBOT_BATTLES_IN_ROW", 3, 0, 1000, "battles until a player loses the robot to somebody who waits; 0: never"
 )
+SEAT_MINUTES = number(
+    "LASERBOT_SEAT_MINUTES",
+    0,
+    0,
+    1440,
+    "minutes until a player loses the robot to somebody who waits, though not in a battle; 0: never",
+)
 SEATS = whole("LASERBOT_SEATS", 0, 0, len(ROBOT_IDS), "robots that players may have at once; 0: all")
 PRACTICE = flag("LASERBOT_PRACTICE", "1: players may drive while neither countdown nor battle runs", default=True)
 PRACTICE_BESIDE = flag(

@@ -288,6 +288,32 @@ def test_zero_battles_in_a_row_means_as_many_as_one_likes(new_match):
     assert match.names == ["ada", "bob"]
 
 
+def test_a_seat_ends_after_its_minutes_once_somebody_waits(new_match):
+    match = new_match(robots=2, rules=Rules(seat_minutes=10, idle=86400))
+    join(match, "ada")
+    match.wait(60)
+    join(match, "bob")
+    match.wait(700)
+    assert match.names == ["ada", "bob"], "while nobody waits, it does not end"
+    join(match, "cy")
+    match.wait(1)
+    assert match.names == ["bob"]
+    assert queue(match) == [("cy", 0), ("ada", None)]
+
+
+def test_a_seats_minutes_end_no_battle_and_outlive_the_program(new_match):
+    match = new_match(robots=2, rules=Rules(seat_minutes=10, battles_in_row=0, idle=86400))
+    join(match, "ada", "bob", "cy")
+    pass_time(match, 590)
+    match.ready("ada", "bob")
+    pass_time(match, 60)
+    assert (match.state.game, set(match.names)) == (2, {"ada", "bob"})
+    match.restart()
+    match.hit("bob", 10)
+    assert (match.state.game, match.names) == (0, ["ada"])
+    assert queue(match) == [("cy", 1), ("bob", None)]
+
+
 def wait_from(match, name: str, address: str) -> None:
     match.referee.sign_up(name, match.session(name), 0, match.now, wait=True, address=address)
 
