@@ -29,7 +29,7 @@ _HOW = re.compile(
             "was shot down|is no longer ready|lost the robot|signed out|left the page|makes room for a person",
             "was signed out by the operator|did not take the robot in time",
             r"was not ready for \S+ s while others waited|has played \d+ in a row, and others wait",
-            "has one of several robots at one address, and others wait",
+            r"has one of several robots at one address, and others wait|has had the robot for \S+ min, and others wait",
         )
     )
 )

@@ -224,6 +224,7 @@ def test_names_of_several_words_are_told_from_those_of_fewer():
         "was not ready for 60 s while others waited",
         "has played 3 in a row, and others wait",
         "has one of several robots at one address, and others wait",
+        "has had the robot for 2.5 min, and others wait",
         "makes room for a person",
         "is no longer ready",
         "left the page",
