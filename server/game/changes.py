@@ -215,7 +215,7 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
 @_change.register
 def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
     state.game, state.notice, state.paused_at = Game.STOPPED, f"Battle over: {event.cause}.", None
-    state.result = tuple(timed(placing, state, at) for placing in event.result) if event.counts else ()
+    state.result = tuple(_timed(placing, state, at) for placing in event.result) if event.counts else ()
     if event.counts:
         state.lengths = (*state.lengths, at - state.began_at)[-MEASURED:]
         state.losing = follow(state.losing, event.result)
@@ -225,8 +225,7 @@ def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
         user.ready, user.idle_since = False, at
 
 
-def timed(placing: Placing, state: State, at: float) -> Placing:
-    """With how long the player has fought, when the battle ends now."""
+def _timed(placing: Placing, state: State, at: float) -> Placing:
     fighter = state.fighter(placing.name)
     return replace(placing, seconds=fighter.fought(at) if fighter else 0.0)
 

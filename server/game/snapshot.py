@@ -52,7 +52,7 @@ class Placing:
     hits: int = 0  # of them that have met somebody else, as far as that is known
     kills: int = 0
     taken: int = 0  # hits that have cost life
-    seconds: float = 0.0  # to the end, or until the player was out
+    seconds: float = field(default=0.0, compare=False)  # to the end, or until the player was out: no event says it
 
 
 @dataclass(frozen=True, slots=True)
