@@ -161,8 +161,11 @@ def test_robots_find_the_master_and_a_battle_is_played(
             machine.wait_until_healthy()
         assert all("'hall'" in robot.compose("logs") for robot in robots), "an arena has its master's host name"
         battle = Battle(master, arena[0])
-        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"]
-        assert free == 2
+
+        def free() -> int:
+            return int(requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"])
+
+        until(lambda: free() == 2, 30, "two free robots")
         with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob, Eyes(battle) as eyes:
             assert (ann.robot, bob.robot) == (1, 2)
             start(ann, bob)

@@ -28,6 +28,11 @@ from tests.support.ports import free_port
 SERVICES = "198.18.0.0/24"  # of the addresses for tests of networks: no LAN has them
 
 
+def cores(quantity: str) -> float:
+    """Of Kubernetes, such as 2 or 300m."""
+    return int(quantity[:-1]) / 1000 if quantity.endswith("m") else float(quantity)
+
+
 class Pod:
     """One pod of a workload.
 
@@ -92,7 +97,7 @@ class Pod:
             volumes=[*volumes, self._resolver],
             tmpfs=tmpfs,
             mem_limit=limits["memory"].removesuffix("i").lower(),
-            nano_cpus=int(float(limits["cpu"]) * 1e9),
+            nano_cpus=round(cores(limits["cpu"]) * 1e9),
             environment=kubelet.environment(container),
             **self._rights(container),
         )
