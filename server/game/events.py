@@ -304,7 +304,7 @@ class PresetSaved:
     by: Name
 
     def __str__(self) -> str:
-        return f"the rules are kept as {self.preset}{_signature(self.by)}"
+        return f"the rules are saved as the preset {self.preset}{_signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,7 +313,7 @@ class PresetRemoved:
     by: Name
 
     def __str__(self) -> str:
-        return f"the rules {self.preset} are not kept any more{_signature(self.by)}"
+        return f"the preset {self.preset} is removed{_signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,14 +1,19 @@
 """`ci/setup` on a machine that lacks something: one clear line that says what to do."""
 
+import contextlib
 import os
+import pty
 import re
 import shutil
+import signal
 import subprocess
 from collections.abc import Mapping
 from pathlib import Path
 
+import psutil
 import pytest
 
+from tests.support.polling import until
 from tests.support.programs import ROOT
 
 BUILT = shutil.ignore_patterns("build", ".venv", "node_modules", ".git", "__pycache__", ".*_cache", "bundle")
@@ -80,19 +85,21 @@ def test_a_user_without_sudo_is_told_what_root_has_to_do(clone: Path, tmp_path: 
     assert line.startswith("Setup stopped: packages are missing. As root: apt-get install --no-install-recommends")
 
 
-def test_a_step_is_one_line_and_what_failed_shows_its_end(clone: Path, tmp_path: Path) -> None:
-    tools = tmp_path / "bin"
+def with_apt_get(script: str, folder: Path) -> dict[str, str]:
+    """The environment of root on a Debian without our packages, whose apt-get is this shell script."""
+    tools = folder / "bin"
     tools.mkdir()
-    for tool, script in (
-        ("id", "echo 0"),
-        ("dpkg-query", "exit 1"),
-        ("apt-get", 'for line in 1 2 3 4 5 6 7 8 9 10 11; do echo "$1: line $line"; done; [ "$1" != install ]'),
-    ):
-        (tools / tool).write_text(f"#!/bin/sh\n{script}\n")
+    for tool, text in (("id", "echo 0"), ("dpkg-query", "exit 1"), ("apt-get", script)):
+        (tools / tool).write_text(f"#!/bin/sh\n{text}\n")
         (tools / tool).chmod(0o755)
+    return {**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"}
+
+
+def test_a_step_is_one_line_and_what_failed_shows_its_end(clone: Path, tmp_path: Path) -> None:
+    lines = 'for line in 1 2 3 4 5 6 7 8 9 10 11; do echo "$1: line $line"; done; [ "$1" != install ]'
     run = subprocess.run(
         [clone / "ci" / "setup", "run"],
-        env={**os.environ, "PATH": f"{tools}:{os.environ['PATH']}"},
+        env=with_apt_get(lines, tmp_path),
         capture_output=True,
         text=True,
         timeout=30,
@@ -100,7 +107,7 @@ def test_a_step_is_one_line_and_what_failed_shows_its_end(clone: Path, tmp_path:
     )
     assert run.returncode == 1
     first, step = run.stdout.splitlines()
-    assert first.startswith("The first time this takes about ")
+    assert first.startswith("The first time, this takes about ")
     assert re.fullmatch(r"Debian packages: \d+ s", step)
     told = run.stderr.strip().splitlines()
     assert told[0] == "This failed. The end of build/setup.log:"
@@ -110,3 +117,40 @@ def test_a_step_is_one_line_and_what_failed_shows_its_end(clone: Path, tmp_path:
         "Setup stopped: Debian's packages could not be installed (is the network up?): python3-venv"
     )
     assert "update: line 1\n" in (clone / "build" / "setup.log").read_text()
+
+
+def test_in_a_terminal_the_seconds_run_and_end_with_ctrl_c(clone: Path, tmp_path: Path) -> None:
+    terminal, its_end = pty.openpty()
+    try:
+        run = subprocess.Popen(
+            [clone / "ci" / "setup", "run"],
+            env=with_apt_get("exec sleep 60", tmp_path),
+            stdin=subprocess.DEVNULL,
+            stdout=its_end,
+            stderr=its_end,
+            start_new_session=True,
+        )
+        shown = b""
+
+        def runs() -> bool:
+            nonlocal shown
+            shown += os.read(terminal, 4096)
+            return b"Debian packages: 1 s" in shown
+
+        until(runs)
+        os.killpg(run.pid, signal.SIGINT)
+        assert run.wait(10) != 0
+        until(lambda: not living(run.pid))
+    finally:
+        os.close(its_end)
+        os.close(terminal)
+
+
+def living(session: int) -> list[psutil.Process]:
+    """The processes of a session."""
+    found = []
+    for one in psutil.process_iter(["status"]):
+        with contextlib.suppress(ProcessLookupError):
+            if os.getsid(one.pid) == session and one.info["status"] != psutil.STATUS_ZOMBIE:
+                found.append(one)
+    return found
