@@ -80,7 +80,7 @@ def test_a_bad_name_and_a_taken_name_are_explained(person: Callable[[str], Perso
         field.fill("Eve!")
         expect(field).to_have_attribute("aria-invalid", "true")
         field.press("Enter")
-        expect(rule).to_contain_text("Not like that")
+        expect(rule).to_contain_text("Please use 1 to 16 letters")
         expect(field).to_be_focused()
         expect(eve.page.locator("dialog")).to_have_count(0)
         field.fill("Bob")
