@@ -96,6 +96,7 @@ def of_robot_0(name: str) -> str:
     return name.replace("<ID>", "0")
 
 
+@pytest.mark.slow
 def test_the_topics_are_those_of_a_battle(master: Registrations) -> None:
     rows = table(PAGE, "Topics")
     publishers = {(of_robot_0(row["topic"]), of_robot_0(row["from"])) for row in rows}
@@ -106,6 +107,7 @@ def test_the_topics_are_those_of_a_battle(master: Registrations) -> None:
     assert master.topic_types() == {of_robot_0(row["topic"]): row["type"] for row in rows}
 
 
+@pytest.mark.slow
 def test_the_services_are_those_of_a_battle(master: Registrations) -> None:
     rows = table(PAGE, "Services")
     registered = {(re.sub("^/rosapi/.+", "/rosapi/*", service), node) for service, node in master.registered(2)}
@@ -113,11 +115,13 @@ def test_the_services_are_those_of_a_battle(master: Registrations) -> None:
     assert {row["type"] for row in rows} == {AddNewRobot._type, "rosapi/*"}
 
 
+@pytest.mark.slow
 def test_log_lines_go_where_ros_tools_look_for_them(master: Registrations) -> None:
     until(lambda: ("/rosout", "/rosout") in master.all(1), 10, "somebody reads everybody's log lines")
     assert ("/rosout_agg", "/rosout") in master.all(0)
 
 
+@pytest.mark.slow
 def test_the_nodes_are_those_of_the_tables() -> None:
     nodes = {row["node"] for row in table(PAGE, "Nodes")}
     topics, services = table(PAGE, "Topics"), table(PAGE, "Services")

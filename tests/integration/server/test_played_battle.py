@@ -46,7 +46,7 @@ def test_hits_lower_life_to_the_end_and_everyone_gets_the_result(battle):
     assert not any(user["ready"] for user in status["users"])
 
 
-def test_countdown_and_battle_are_seen_by_subscribers_and_pages_alike(battle):
+def test_countdown_and_battle_are_seen_by_subscribers_and_pages_alike(battle, server):
     _, pages, listener = battle
     games = [status["game"] for status in listener.heard]
     assert sorted(set(games)) == [0, 1, 2]
@@ -56,19 +56,14 @@ def test_countdown_and_battle_are_seen_by_subscribers_and_pages_alike(battle):
     assert pages["ada"].post("updateGameStatus")["game"] == 2
     assert pages["ada"].post("playerReady", user="ada", ready=0) == {"status": "STARTED"}
 
-
-def test_a_late_subscriber_gets_the_state_at_once_and_a_heartbeat_after(battle, server):
-    late = server.listener()
-    assert [user["name"] for user in late.heard[0]["users"]] == ["ada", "bob"]
-    count = len(late.heard)
-    until(lambda: len(late.heard) >= count + 3, 3)
-
-
-def test_the_session_in_the_status_is_the_digest_of_the_players_cookie(battle):
-    _, pages, listener = battle
     for user in listener.latest["users"]:
         token = pages[user["name"]]._http.cookies["laserbot_session"]
         assert user["session"] == hashlib.sha256(token.encode()).hexdigest()
+
+    late = server.listener()
+    assert [user["name"] for user in late.heard[0]["users"]] == ["ada", "bob"], "at once"
+    count = len(late.heard)
+    until(lambda: len(late.heard) >= count + 3, 3, "a heartbeat")
 
 
 def test_a_robot_that_vanishes_takes_its_player_along_and_the_battle_ends_by_the_rules(battle, server):
