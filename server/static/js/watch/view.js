@@ -27,7 +27,7 @@ export function showStatus(status) {
   showClock(status);
   showCountdown(status);
   showPlayers(status);
-  showQueue(status.waiting);
+  showQueue(status);
   showFree(status.free);
 }
 
@@ -65,6 +65,7 @@ function showPlayers({ users, game }) {
   const shown = byId("players");
   shown.dataset.size = users.length <= FEW ? "few" : users.length <= MANY ? "many" : "crowd";
   byId("nobody").hidden = users.length > 0;
+  byId("next-title").hidden = game !== STOPPED || users.length === 0;
   const rows = new Map([...shown.children].map((row) => [row.dataset.name, row]));
   const ordered = game === PLAYING ? users : byTeam(users); // in a battle the referee's order keeps teams together
   const wanted = ordered.map((user, index) => {
@@ -115,8 +116,9 @@ function standing({ ready, life }, game) {
   return ready ? { state: "ready", text: t("watch.ready") } : { state: "absent", text: t("watch.not_ready") };
 }
 
-function showQueue(waiting) {
+function showQueue({ waiting, game }) {
   byId("queue").hidden = waiting.length === 0;
+  setText(byId("queue").firstElementChild, game === STOPPED ? t("watch.then") : t("watch.next"));
   const names = waiting.slice(0, QUEUE);
   const more = waiting.length - names.length;
   setText(byId("queue-names"), more > 0 ? `${names.join(", ")} ${t("watch.more", { n: more })}` : list(names));
@@ -128,10 +130,10 @@ function showFree(free) {
   setText(line, free === 0 ? t("watch.free_none") : t("watch.free", { n: free }));
 }
 
-/** Show this panel and no other. @param {import("./screen_schedule.js").Panel} panel */
+/** What the screen has room for now. @param {import("./screen_schedule.js").Panel} panel */
 export function showPanel(panel) {
   document.body.dataset.panel = panel;
-  byId("join").hidden = panel !== "join";
+  byId("join").hidden = panel === "none"; // large between battles, otherwise in the corner
   byId("leaders").hidden = panel !== "leaders";
   byId("podium").hidden = panel !== "podium";
 }
