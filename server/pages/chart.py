@@ -17,6 +17,7 @@ class Line:
     """One fighter's. Both are paths; a mark is a line of no length with round ends, so that it stays a dot."""
 
     name: str
+    robot: int
     path: str
     hits: str
     end: str  # where the fighter died or left, "" for those who stayed to the end
@@ -50,6 +51,7 @@ def _line(course: Course, place: int, length: float) -> Line:
     end = length if course.out is None else course.out
     return Line(
         name=course.name,
+        robot=course.robot,
         path=f"{path}H{x(end)}",
         hits="".join(f"M{x(at)} {y(life)}h0" for at, life in hits),
         end="" if course.out is None else f"M{x(end)} {y(life)}h0",

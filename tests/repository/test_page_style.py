@@ -9,7 +9,7 @@ from tests.support.programs import ROOT
 CSS = ROOT / "server" / "static" / "css"
 COLOUR = re.compile(r"#[0-9a-fA-F]{3,8}\b|\b(?:rgb|hsl)a?\(")
 TOKEN = re.compile(r"--([\w-]+): light-dark\((#\w+), (#\w+)\)")
-SERIES = re.compile(r"\.line-\d \{ --line-colour: light-dark\((#\w+), (#\w+)\)")
+ROBOTS = 8  # colours
 
 
 @pytest.mark.parametrize("path", sorted(CSS.glob("*.css")), ids=lambda path: path.name)
@@ -63,10 +63,14 @@ def test_text_can_be_read_on_every_ground(text: str, ground: str) -> None:
         assert contrast(colour, back) >= 4.5
 
 
-def test_the_charts_lines_stand_out_and_the_names_in_their_colours_can_be_read() -> None:
-    series = SERIES.findall((CSS / "results.css").read_text())
-    assert len(series) == 8
-    for pair in series:
-        for back in ("panel", "field"):
-            for colour, ground in zip(pair, tokens()[back], strict=True):
-                assert contrast(colour, ground) >= 4.5
+@pytest.mark.parametrize("robot", range(ROBOTS))
+def test_a_robots_lines_stand_out_and_a_name_in_its_colour_can_be_read(robot: int) -> None:
+    for back in ("panel", "field"):
+        for colour, ground in zip(tokens()[f"robot-{robot}"], tokens()[back], strict=True):
+            assert contrast(colour, ground) >= 4.5
+
+
+def test_a_robot_has_the_arenas_colour_on_every_page() -> None:
+    arena = re.findall(r"#[0-9a-f]{6}", (ROOT / "sim/static/colours.js").read_text().split("]")[0])
+    assert arena == [tokens()[f"robot-{robot}"][1] for robot in range(ROBOTS)]
+    assert f"const COLOURS = {ROBOTS};" in (CSS.parent / "js/common/robot_colours.js").read_text()

@@ -2,6 +2,7 @@
 
 import { avatarUrl } from "../common/assets.js";
 import { element, icon, lifeBar, setLife, setPicture, setText } from "../common/dom.js";
+import { wearColour } from "../common/robot_colours.js";
 import * as state from "../battle/state.js";
 import { makeMark, showMark } from "../battle/team_view.js";
 import { byTeam } from "../battle/teams.js";
@@ -16,7 +17,13 @@ export function showPlayer({ name, robot, avatar, date }) {
   document.querySelector(".own-name").title = name; // it may be cut
   set(".robotN", t("home.robot", { id: String(robot) }));
   set(".date", t("home.logged_in", { date }));
-  for (const picture of document.querySelectorAll(".userImage")) setPicture(picture, avatarUrl(avatar));
+  for (const picture of document.querySelectorAll(".userImage")) showPicture(picture, avatar, robot);
+}
+
+/** A player's picture, in the colour of the robot. */
+function showPicture(picture, avatar, robot) {
+  setPicture(picture, avatarUrl(avatar));
+  wearColour(picture, robot);
 }
 
 /** Everything that depends on the state of the battle; `refusal` is why commands are refused now, for people. */
@@ -142,7 +149,7 @@ function makeRival(name) {
 }
 
 function fillRival(row, user, game) {
-  setPicture(row.querySelector("img"), avatarUrl(user.avatar));
+  showPicture(row.querySelector("img"), user.avatar, user.robot);
   const sign = setSign(row.querySelector(".user-sign"), user, game);
   row.classList.toggle("is-out", sign === "times");
   row.dataset.team = user.team;
@@ -173,7 +180,7 @@ function makeSeat(name) {
 }
 
 function fillSeat(seat, user, game, name) {
-  setPicture(seat.querySelector("img"), avatarUrl(user.avatar));
+  showPicture(seat.querySelector("img"), user.avatar, user.robot);
   setSign(seat.querySelector(".user-sign"), user, game);
   showMark(seat.querySelector(".team-mark"), user.team);
   seat.classList.toggle("is-ready", user.ready);

@@ -2,6 +2,7 @@
 
 import { avatarUrl } from "../common/assets.js";
 import { element } from "../common/dom.js";
+import { wearColour } from "../common/robot_colours.js";
 import { makeMark, showMark } from "../battle/team_view.js";
 import { standings } from "../battle/teams.js";
 import { percent, t } from "../common/words.js";
@@ -61,7 +62,7 @@ function honouredView(player, me, coded) {
   return element(
     "figure",
     { className: player.name === me ? "podium-player is-me" : "podium-player" },
-    element("img", { src: avatarUrl(player.avatar), alt: "", width: 96, height: 96 }),
+    pictureOf(player, 96),
     element(
       "figcaption",
       {},
@@ -78,7 +79,7 @@ function restView(rest, me, coded) {
       "li",
       { className: player.name === me ? "is-me" : "", value: player.place },
       element("span", { className: "podium-place" }, String(player.place)),
-      element("img", { src: avatarUrl(player.avatar), alt: "", width: 32, height: 32 }),
+      pictureOf(player, 32),
       element("strong", { title: player.name }, player.name),
       player.name === me && element("em", {}, t("podium.you")),
       markOf(player),
@@ -91,9 +92,15 @@ function restView(rest, me, coded) {
 }
 
 /** What there is to say about a player: hits and opponents taken out, if the light has told them. */
-function notesOf({ left, life, shots, hits, kills }, coded) {
+function notesOf({ left, life, shots, hits, kills, wins }, coded) {
   const end = left ? t("podium.left") : t("podium.life", { life: percent(life) });
-  return [end, coded && shots > 0 && t("podium.shots", { hits, shots }), coded && kills > 0 && t("podium.kills", { n: kills })].filter(Boolean);
+  return [wins > 1 && t("podium.wins", { n: wins }), end, coded && shots > 0 && t("podium.shots", { hits, shots }), coded && kills > 0 && t("podium.kills", { n: kills })].filter(Boolean);
+}
+
+function pictureOf({ avatar, robot }, size) {
+  const picture = element("img", { src: avatarUrl(avatar), alt: "", width: size, height: size });
+  wearColour(picture, robot);
+  return picture;
 }
 
 function markOf({ team }) {

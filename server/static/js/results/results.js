@@ -4,12 +4,12 @@ import { element, setText } from "../common/dom.js";
 import { showMoments } from "../common/local_times.js";
 import { noticeText } from "../common/notice.js";
 import { connectPreferences } from "../common/preferences.js";
+import { wearColour } from "../common/robot_colours.js";
 import { clock, fighterAt, lengthOf, poseAt } from "./replay.js";
 import { t } from "../common/words.js";
 
 const RADIUS = 0.075; // m, about a robot's
 const MARGIN = 0.03; // m around the floor: walls have a width
-const COLOURS = 8; // in results.css
 
 const byId = (id) => document.getElementById(id);
 
@@ -33,17 +33,17 @@ class Floor {
     const { width, height, walls } = battle.track.floor;
     const [across, down] = [width + 2 * MARGIN, height + 2 * MARGIN];
     box.style.setProperty("--ratio", across / down);
-    this.#robots = battle.fighters.map((fighter, place) => {
-      const colour = `line-${place % COLOURS}`;
+    this.#robots = battle.fighters.map((fighter) => {
       const body = shape(
         "g",
-        { class: `robot ${colour}` },
+        { class: "robot" },
         shape("circle", { r: RADIUS * 1.6, class: "flash" }),
         shape("circle", { r: RADIUS, class: "hull" }),
         shape("path", { d: `M${RADIUS * 0.85} 0L${-RADIUS * 0.5} ${RADIUS * 0.6}V${-RADIUS * 0.6}Z`, class: "nose" }),
       );
       const life = element("b");
-      const label = element("p", { className: colour }, element("span", { textContent: fighter.name }), life);
+      const label = element("p", {}, element("span", { textContent: fighter.name }), life);
+      for (const node of [body, label]) wearColour(node, fighter.robot);
       return { fighter, body, label, life };
     });
     const lines = walls.map(([x1, y1, x2, y2]) => `M${x1} ${height - y1}L${x2} ${height - y2}`);

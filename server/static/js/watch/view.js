@@ -2,6 +2,7 @@
 
 import { avatarUrl } from "../common/assets.js";
 import { element, lifeBar, setLife, setPicture, setText } from "../common/dom.js";
+import { wearColour } from "../common/robot_colours.js";
 import { leadersView } from "../results/leaders.js";
 import { podiumView } from "../results/podium.js";
 import { clockText, COUNTDOWN, handicapText, PLAYING, STOPPED } from "../battle/state.js";
@@ -93,7 +94,9 @@ function makeRow(name) {
 }
 
 function fillRow(row, user, game) {
-  setPicture(row.querySelector("img"), avatarUrl(user.avatar));
+  const picture = row.querySelector("img");
+  setPicture(picture, avatarUrl(user.avatar));
+  wearColour(picture, user.robot);
   const { state, text } = standing(user, game);
   row.dataset.state = state;
   row.dataset.team = user.team;
