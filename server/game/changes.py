@@ -4,9 +4,8 @@ from dataclasses import replace
 from functools import singledispatch
 
 from laser_bot_battle.names import Game, is_bot
-from server.game import events
+from server.game import events, handicap, rivalry
 from server.game.events import Event
-from server.game.handicap import follow
 from server.game.presets import Preset
 from server.game.ranking import ranks
 from server.game.snapshot import Happening, Placing
@@ -204,30 +203,37 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
     user.wound(event.life, at)
     state.robots.note_hit(event.robot, at)
     shooter = state.fighter(event.by) if event.by else None
+    streak, revenge = 0, False
     if shooter is not None and not are_friends(shooter, user):
         shooter.hits += 1
-        shooter.kills += event.life == 0
+        if event.life == 0:
+            shooter.kills += 1
+            streak, revenge = shooter.kills, rivalry.is_revenge(state.grudges, event.name, event.by)
+            state.grudges = rivalry.taken_out(state.grudges, event.name, event.by)
     state.happenings += 1
-    state.happened = (*state.happened, Happening(state.happenings, event.name, event.by, event.life))[-TOLD:]
+    happening = Happening(state.happenings, event.name, event.by, event.life, streak, revenge)
+    state.happened = (*state.happened, happening)[-TOLD:]
     _put_in_order(state)
 
 
 @_change.register
 def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
     state.game, state.notice, state.paused_at = Game.STOPPED, f"Battle over: {event.cause}.", None
-    state.result = tuple(_timed(placing, state, at) for placing in event.result) if event.counts else ()
     if event.counts:
         state.lengths = (*state.lengths, at - state.began_at)[-MEASURED:]
-        state.losing = follow(state.losing, event.result)
+        state.losing = handicap.follow(state.losing, event.result)
+        state.winning = rivalry.follow(state.winning, event.result)
+    state.result = tuple(_completed(placing, state, at) for placing in event.result) if event.counts else ()
     state.leavers = []
     for user in state.users:
         user.battles += user.ready and event.counts
         user.ready, user.idle_since = False, at
 
 
-def _timed(placing: Placing, state: State, at: float) -> Placing:
+def _completed(placing: Placing, state: State, at: float) -> Placing:
     fighter = state.fighter(placing.name)
-    return replace(placing, seconds=fighter.fought(at) if fighter else 0.0)
+    seconds = fighter.fought(at) if fighter else 0.0
+    return replace(placing, seconds=seconds, wins=rivalry.wins(placing.name, state.winning))
 
 
 # ---- time and the operators ----

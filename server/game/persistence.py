@@ -11,11 +11,14 @@ from laser_bot_battle.names import Game
 from server.game.handicap import Losing
 from server.game.people import NEUTRAL
 from server.game.presets import Preset
+from server.game.rivalry import Grudge, Winning
 from server.game.robot import Robot, Robots
 from server.game.rules import DECLARED, checked
 from server.game.snapshot import Happening, Placing
 from server.game.state import State
 from server.game.users import User, Users, Waiting
+
+_Kept = Placing | Losing | Winning | Grudge | Happening  # kept by the names of its fields
 
 # s in which no robot is missed: when the ROS master was restarted, too, as by an update of the whole master, the
 # robots' own programs start again, some after a ping or two. That takes them 5 to 8 s, and the smallest ones twice as
@@ -41,6 +44,8 @@ def save(state: State, now: float) -> dict[str, Any]:
         "leavers": [_save_user(user, now) for user in state.leavers],
         "result": [_fields(placing) for placing in state.result],
         "losing": [_fields(one) for one in state.losing],
+        "winning": [_fields(one) for one in state.winning],
+        "grudges": [_fields(one) for one in state.grudges],
         "teams": state.teams,
         "happened": [_fields(happening) for happening in state.happened],
         "happenings": state.happenings,
@@ -126,6 +131,8 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             leavers=[_restore_user(fields, then, now) for fields in saved["leavers"]],
             result=tuple(Placing(**_known(Placing, fields)) for fields in saved["result"]),
             losing=tuple(Losing(**_known(Losing, fields)) for fields in saved.get("losing", ())),
+            winning=tuple(Winning(**_known(Winning, fields)) for fields in saved.get("winning", ())),
+            grudges=tuple(Grudge(**_known(Grudge, fields)) for fields in saved.get("grudges", ())),
             teams=int(saved.get("teams", 0)),
             happened=tuple(Happening(**_known(Happening, fields)) for fields in saved.get("happened", ())),
             happenings=int(saved.get("happenings", 0)),
@@ -139,11 +146,11 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
         raise ValueError(f"not a state of the game: {error!r}") from None
 
 
-def _fields(one: Placing | Losing | Happening) -> dict[str, Any]:
+def _fields(one: _Kept) -> dict[str, Any]:
     return {name: getattr(one, name) for name in type(one).__slots__}
 
 
-def _known(kind: type[Placing | Losing | Happening], fields: Mapping[str, Any]) -> dict[str, Any]:
+def _known(kind: type[_Kept], fields: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in fields.items() if name in kind.__slots__}
 
 

@@ -52,7 +52,9 @@ class Placing:
     hits: int = 0  # of them that have met somebody else, as far as that is known
     kills: int = 0
     taken: int = 0  # hits that have cost life
-    seconds: float = field(default=0.0, compare=False)  # to the end, or until the player was out: no event says it
+    # what no event says
+    seconds: float = field(default=0.0, compare=False)  # to the end, or until the player was out
+    wins: int = field(default=0, compare=False)  # battles that were won in a row, this one included
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,6 +65,9 @@ class Happening:
     name: Name  # who was hit
     by: Name  # who has shot; empty: the light does not tell
     life: int  # that is left
+    # of a hit that has taken the last life
+    streak: int = 0  # how many the shooter has taken out in this battle, this one included
+    revenge: bool = False  # the shooter had been taken out by this one last
 
 
 @dataclass(frozen=True, slots=True)

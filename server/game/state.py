@@ -10,6 +10,7 @@ from server.game.handicap import Losing, handicap
 from server.game.people import Notice, Words
 from server.game.presets import Preset
 from server.game.ranking import ranks
+from server.game.rivalry import Grudge, Winning
 from server.game.robot import Robots
 from server.game.rules import Rules
 from server.game.snapshot import Happening, Placing
@@ -38,6 +39,8 @@ class State:
     leavers: list[User] = field(default_factory=list)  # who was in the running battle and has gone
     result: tuple[Placing, ...] = ()
     losing: tuple[Losing, ...] = ()  # who has won none of the last battles
+    winning: tuple[Winning, ...] = ()  # who has won all of them
+    grudges: tuple[Grudge, ...] = ()
     teams: int = 0  # of the running or the last battle; 0: everybody fights alone
     happened: tuple[Happening, ...] = ()  # in it, at most `TOLD`
     happenings: int = 0  # in all battles so far

@@ -72,6 +72,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
                 kills=placing.kills,
                 taken=placing.taken,
                 seconds=placing.seconds,
+                wins=placing.wins,
             )
             for placing in snapshot.result
         ],
@@ -82,6 +83,8 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
                 name=one.name,
                 by=one.by,
                 life=one.life,
+                streak=one.streak,
+                revenge=one.revenge,
             )
             for one in snapshot.happened
         ],

@@ -52,6 +52,7 @@ def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str,
                 handicap=player.handicap,
                 taken=0,
                 seconds=0.0,
+                wins=0,
                 weak=player.robot in weak,
             )
             for player in snapshot.players
@@ -66,12 +67,21 @@ def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str,
                 handicap=0,
                 taken=placing.taken,
                 seconds=placing.seconds,
+                wins=placing.wins,
                 weak=False,
             )
             for placing in snapshot.result
         ],
         "events": [
-            {"number": one.number, "kind": int(one.life == 0), "name": one.name, "by": one.by, "life": one.life}
+            {
+                "number": one.number,
+                "kind": int(one.life == 0),
+                "name": one.name,
+                "by": one.by,
+                "life": one.life,
+                "streak": one.streak,
+                "revenge": one.revenge,
+            }
             for one in snapshot.happened
         ],
     }

@@ -102,11 +102,15 @@ test("each change has words in each language", () => {
     assert.match(feedEntry({ kind: "hit", ...hurt }).text, /Al.*40\s?%/u);
     assert.equal(feedEntry({ kind: "hit", ...hurt }).tone, "hit");
     for (const kind of ["hit", "out"]) {
-      const { text, avatar, victim } = feedEntry({ kind, ...hurt, by: { name: "Bo", avatar: 4 } });
+      const { text, avatar, victim } = feedEntry({ kind, ...hurt, by: { name: "Bo", avatar: 4, streak: 1, revenge: false } });
       assert.match(text, /Bo.*Al/);
       assert.doesNotMatch(text, /[{}]/);
       assert.deepEqual([avatar, victim], [4, 2]);
     }
+    const takenOut = (by) => feedEntry({ kind: "out", ...hurt, by: { name: "Bo", avatar: 4, streak: 1, revenge: false, ...by } }).text;
+    assert.match(takenOut({ streak: 3 }), /Bo.*Al.*3/);
+    const texts = [takenOut({}), takenOut({ streak: 2 }), takenOut({ streak: 2, revenge: true })];
+    assert.equal(new Set(texts).size, 3);
     const ended = (values) => feedEntry({ kind: "end", name: "", avatar: null, life: null, by: null, winners: [], teams: [], ...values }).text;
     const end = (...winners) => ended({ winners });
     assert.match(ended({ winners: ["Al", "Bo"], teams: [2] }), new RegExp(words.teams.team2));
@@ -127,7 +131,7 @@ test("where the referee tells who has shot, the feed does, with both pictures", 
   const after = status({ game: PLAYING, battle: 4, users: users(80), events: [hit(7, "Al", "Bo", 90), hit(8, "Al", "Bo", 80)] });
   assert.deepEqual(toldBy(before, after), ["Al hit Bo 90", "Al hit Bo 80"]);
   const [first] = changes(before, after);
-  assert.deepEqual([first.avatar, first.robot, first.by], [1, 1, { name: "Al", avatar: 3 }]);
+  assert.deepEqual([first.avatar, first.robot, first.by], [1, 1, { name: "Al", avatar: 3, streak: 0, revenge: false }]);
   assert.deepEqual(changes(after, after), []);
 });
 

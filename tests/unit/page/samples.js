@@ -13,7 +13,7 @@ speak("en");
 
 export const player = (name, values = {}) => ({
   name, robot: 0, life: 100, ready: false, avatar: 0, place: 0, seat_left: 0, left: false, session: "",
-  team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, weak: false, ...values,
+  team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, wins: 0, weak: false, ...values,
 });
 
 /** A laser_bot_battle/GameStatus as rosbridge writes it. */

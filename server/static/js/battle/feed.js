@@ -15,7 +15,7 @@ import { teamsOf } from "./teams.js";
  * @property {number|null} avatar
  * @property {number|null} life after it
  * @property {number|null} robot
- * @property {{name: string, avatar: number|null}|null} by the shooter, for "hit" and "out"; null: the light does not tell
+ * @property {{name: string, avatar: number|null, streak: number, revenge: boolean}|null} by the shooter, for "hit" and "out"; null: the light does not tell
  * @property {string[]} winners who have won, for "end"
  * @property {number[]} teams that have won, for "end"; none: everybody has fought alone
  */
@@ -58,9 +58,9 @@ function ofPhase(previous, current) {
 /** The hits that the referee tells, then the lives that are lost without one. */
 function ofHits(previous, current) {
   const people = byName([...previous.users, ...current.result, ...current.users]);
-  const hits = newHits(previous, current).map(({ name, by, life }) => ({
+  const hits = newHits(previous, current).map(({ name, by, life, streak = 0, revenge = false }) => ({
     ...ofPlayer(life > 0 ? "hit" : "out", { avatar: null, robot: null, ...people.get(name), name, life }),
-    by: by ? { name: by, avatar: people.get(by)?.avatar ?? null } : null,
+    by: by ? { name: by, avatar: people.get(by)?.avatar ?? null, streak, revenge } : null,
   }));
   const told = byName(hits);
   return [...hits, ...ofLives(previous, current).filter(({ name }) => !told.has(name))];

@@ -23,8 +23,13 @@ export function feedEntry({ kind, name, avatar, life, by, winners, teams }, mark
   const tone = TONES[kind] ?? "calm";
   if (kind === "end") return { text: endText(winners.map(mark), teams), avatar, victim: null, tone };
   const values = { name: mark(name), life: life === null ? "" : percent(life) };
-  if (by) return { text: t(`feed.${kind}_by`, { ...values, by: mark(by.name) }), avatar: by.avatar, victim: avatar, tone };
+  if (by) return { text: t(`feed.${kindBy(kind, by)}`, { ...values, by: mark(by.name), n: by.streak }), avatar: by.avatar, victim: avatar, tone };
   return { text: t(`feed.${kind}`, values), avatar, victim: null, tone };
+}
+
+function kindBy(kind, { streak, revenge }) {
+  if (revenge) return "revenge";
+  return streak > 1 ? "streak" : `${kind}_by`;
 }
 
 function endText(winners, teams) {

@@ -17,6 +17,7 @@
  * @property {number} kills of them that took the last life
  * @property {number} taken in a result: hits of others that cost life
  * @property {number} seconds in a result: in the battle
+ * @property {number} wins in a result: battles won in a row, this one included
  * @property {boolean} weak whether the robot has too little voltage
  *
  * @typedef {object} Hit
@@ -24,6 +25,8 @@
  * @property {string} name who was hit
  * @property {string} by the shooter; empty: the light does not tell
  * @property {number} life that is left
+ * @property {number} streak if none is left: how many the shooter has taken out in this battle
+ * @property {boolean} revenge if none is left: the shooter had been taken out by this one last
  *
  * @typedef {object} Status
  * @property {0|1|2} game stopped, countdown, playing
@@ -47,7 +50,7 @@
 /** The battle's number when only /updateGameStatus has been heard. */
 export const UNKNOWN_BATTLE = -1;
 
-const UNTOLD = { team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, weak: false }; // by a server that knows neither teams nor shooters
+const UNTOLD = { team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, wins: 0, weak: false }; // by a server that knows neither teams nor shooters
 
 /** @returns {Status} from a laser_bot_battle/GameStatus of /game_status */
 export function fromTopic(message) {

@@ -1,0 +1,51 @@
+"""What players have against each other from earlier battles, and who wins battle after battle: pure rules."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from server.game.people import Name
+from server.game.snapshot import Placing
+
+REMEMBERED = 1000  # people, those of the newest battles
+
+
+@dataclass(frozen=True, slots=True)
+class Winning:
+    """Somebody who has won the last battles, alone or with others."""
+
+    name: Name
+    battles: int  # in a row
+
+
+@dataclass(frozen=True, slots=True)
+class Grudge:
+    """Somebody who has not got even yet."""
+
+    name: Name
+    against: Name  # the last one to take them out
+
+
+def follow(winning: Iterable[Winning], result: Iterable[Placing]) -> tuple[Winning, ...]:
+    """Who is winning after a battle with this result."""
+    won = {one.name: one.battles for one in winning}
+    for placing in result:
+        before = won.pop(placing.name, 0)
+        if placing.place == 1 and not placing.left:
+            won[placing.name] = before + 1
+    return tuple(Winning(name, battles) for name, battles in won.items())[-REMEMBERED:]
+
+
+def wins(name: str, winning: Iterable[Winning]) -> int:
+    """How many battles in a row somebody has won."""
+    return next((one.battles for one in winning if one.name == name), 0)
+
+
+def is_revenge(grudges: Iterable[Grudge], name: str, by: str) -> bool:
+    """Whether `by`, who takes `name` out, gets even."""
+    return Grudge(by, name) in grudges
+
+
+def taken_out(grudges: Iterable[Grudge], name: str, by: str) -> tuple[Grudge, ...]:
+    """The grudges after `by` has taken `name` out."""
+    others = (one for one in grudges if one.name != name and one != Grudge(by, name))
+    return (*others, Grudge(name, by))[-REMEMBERED:]
