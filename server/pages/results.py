@@ -20,6 +20,7 @@ from server.pages.chart import draw
 from server.store.course import Course
 from server.store.csv_safety import harmless
 from server.store.database import AwayError
+from server.store.honours import Honour, honours
 from server.store.results import Battle, BusyError, Fighter, Results, Standing
 from server.web.words import t, text
 
@@ -46,6 +47,13 @@ class Page:
     pages: int
     size: int
     total: int
+
+
+@dataclass(frozen=True, slots=True)
+class Leaderboard:
+    day: str  # like 2025-03-01, or "all"
+    standings: list[Standing]
+    honours: list[Honour]  # of a day
 
 
 def create_results(results: Results) -> Blueprint:
@@ -127,19 +135,25 @@ def _add_battles(pages: Blueprint, results: Results) -> None:
 def _add_leaderboard(pages: Blueprint, results: Results) -> None:
     @pages.get("/results/leaderboard")
     def leaderboard() -> str:
-        day, standings = _standings(results)
-        return render_template("results_leaderboard.html", day=day, today=_today(), standings=standings)
+        board = _leaderboard(results)
+        return render_template("results_leaderboard.html", board=board, today=_today())
 
     @pages.get("/results/leaderboard.json")
     def leaderboard_json() -> Response:
-        day, standings = _standings(results)
-        return _json(day=day, players=[_standing_fields(standing) for standing in standings])
+        board = _leaderboard(results)
+        return _json(
+            day=board.day,
+            players=[_standing_fields(standing) for standing in board.standings],
+            honours=[{"kind": one.kind, "name": one.name, "value": one.value} for one in board.honours],
+        )
 
     @pages.get("/results/leaderboard.csv")
     def leaderboard_csv() -> Response:
-        day, standings = _standings(results)
+        board = _leaderboard(results)
         head = "place,name,battles,wins,hits_taken,hits_given,seconds,shots,kills,accuracy"
-        return _csv(f"laserbot-leaderboard-{day}.csv", head, (_standing_fields(one).values() for one in standings))
+        return _csv(
+            f"laserbot-leaderboard-{board.day}.csv", head, (_standing_fields(one).values() for one in board.standings)
+        )
 
 
 # what is asked
@@ -168,11 +182,10 @@ def _find(results: Results, battle: str) -> tuple[Battle, list[Course]]:
     return found
 
 
-def _standings(results: Results) -> tuple[str, list[Standing]]:
-    """The day, or "all", and its leaderboard."""
+def _leaderboard(results: Results) -> Leaderboard:
     given = request.args.get("day") or "all"
     if given == "all":
-        return given, results.leaderboard(*_FOREVER)
+        return Leaderboard(given, results.leaderboard(*_FOREVER), [])
     try:
         if not _DAY.fullmatch(given):
             raise ValueError
@@ -180,7 +193,8 @@ def _standings(results: Results) -> tuple[str, list[Standing]]:
         begin, end = (datetime(one.year, one.month, one.day).timestamp() for one in (day, day + timedelta(days=1)))
     except (ValueError, OverflowError, OSError):
         raise Refused(400, "results.bad_day") from None
-    return given, results.leaderboard(begin, end)
+    standings = results.leaderboard(begin, end)
+    return Leaderboard(given, standings, honours(standings, results.winners(begin, end)))
 
 
 # what is answered

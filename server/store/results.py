@@ -4,6 +4,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -177,6 +178,23 @@ class Results:
                 accuracy=accuracy(row.met, row.aimed),
             )
             for place, row in enumerate(rows, 1)
+        ]
+
+    def winners(self, begin: float, end: float) -> list[list[tuple[str, bool]]]:
+        """Of each battle that counts and began from `begin` to before `end`, the oldest first: who fought, and whether
+        they won."""
+        fighters, battles = schema.fighters.c, schema.battles.c
+        query = (
+            select(fighters.battle, fighters.name, fighters.place)
+            .join(schema.battles, battles.id == fighters.battle)
+            .where(battles.began >= begin, battles.began < end, battles.counts, battles.ended.is_not(None))
+            .order_by(fighters.battle)
+        )
+        with self._reading() as connection:
+            rows = connection.execute(query).all()
+        return [
+            [(row.name, row.place == 1) for row in rows_of_one]
+            for _, rows_of_one in groupby(rows, lambda row: row.battle)
         ]
 
     @contextmanager

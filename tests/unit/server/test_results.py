@@ -224,6 +224,26 @@ def test_the_leaderboard_of_a_day_has_that_day_only(match, keep, browser):
     assert "on this day" in browser.get("/results/leaderboard?day=1999-01-01").text
 
 
+def test_the_best_of_a_day_are_named(told, browser):
+    day = datetime.fromtimestamp(EPOCH + 1000).date().isoformat()
+    board = browser.get(f"/results/leaderboard.json?day={day}").json
+    assert board["honours"] == [{"kind": "kills", "name": "ada", "value": 1}]
+    assert "Most robots taken out" in browser.get(f"/results/leaderboard?day={day}").text
+    assert browser.get("/results/leaderboard.json").json["honours"] == []
+    assert "Most robots taken out" not in browser.get("/results/leaderboard").text
+
+
+def test_battles_are_told_with_their_winners_in_their_order(match, keep, browser, file):
+    for loser in ("bob", "ada"):
+        match.start("ada", "bob")
+        match.hit(loser, 10)
+        match.sign_out("ada")
+        match.sign_out("bob")
+        keep()
+    winners = Results(URL.create("sqlite", database=str(file))).winners(0, 1e11)
+    assert [sorted(battle) for battle in winners] == [[("ada", True), ("bob", False)], [("ada", False), ("bob", True)]]
+
+
 def test_an_aborted_battle_is_listed_and_has_no_winner(played, browser, file):
     change(file, "UPDATE battles SET counts = 0 WHERE id = 1")
     assert "aborted" in browser.get("/results").text
