@@ -1,12 +1,15 @@
 """A whole evening for three people with one seat too few, each in a browser of a language of their own."""
 
+import re
 from collections.abc import Callable
 
 import pytest
-from playwright.sync_api import expect
+from PIL import Image, ImageColor
+from playwright.sync_api import Download, expect
 
 from tests.browser.people import Person
 from tests.support.demo import Demo
+from tests.support.programs import ROOT
 
 
 @pytest.fixture
@@ -43,6 +46,9 @@ def test_queue_accept_battle_result_rematch_and_give_away(people: list[Person]) 
     for person, title in ((ann, "DRAW!"), (bea, "PAREGGIO!")):
         expect(person.page.locator("dialog[open] h2")).to_have_text(title)
     expect(ann.page.locator("dialog[open] .podium")).to_contain_text("Bea")
+    with ann.page.expect_download() as saved:
+        ann.page.get_by_role("button", name="Save as a picture").click()
+    shows_the_result(saved.value, ann.robot)
     bea.page.get_by_role("button", name="Rivincita").click()
     expect(bea.page.locator("#ready-btn")).to_have_attribute("aria-pressed", "true")
     ann.page.get_by_role("button", name="Give my seat away").click()
@@ -58,6 +64,19 @@ def test_queue_accept_battle_result_rematch_and_give_away(people: list[Person]) 
     expect(cem.page.locator(".own-stats")).to_contain_text("0 Treffer kassiert")
     cem.page.keyboard.press("Escape")
     expect(cem.page.locator("#lobby")).to_be_visible()
+
+
+def shows_the_result(saved: Download, robot: int) -> None:
+    """A picture with the robot's colour at its edge, and something written in the middle."""
+    assert re.fullmatch(r"laserbot-battle-\d+\.png", saved.suggested_filename)
+    with Image.open(saved.path()) as picture:
+        assert (picture.format, picture.size) == ("PNG", (1200, 630))
+        pixels = picture.convert("RGB")
+    of_robots = re.findall("#[0-9a-f]{6}", (ROOT / "sim/static/colours.js").read_text())
+    assert pixels.getpixel((5, 300)) == ImageColor.getrgb(of_robots[robot])
+    written = pixels.crop((310, 150, 1130, 300)).getcolors(1 << 16)
+    assert written is not None
+    assert len(written) > 20
 
 
 def test_the_language_and_the_colours_are_chosen_on_any_page_and_kept(people: list[Person]) -> None:

@@ -190,7 +190,9 @@ def test_a_newcomers_first_key_press_moves_the_robot(person: Callable[[str], Per
     ann = person("Ann")
     with Eyes(battle) as eyes:
         ann.log_in()
-        expect(ann.page.locator("body")).to_have_attribute("data-phase", re.compile("."))  # the page has heard how things stand
+        expect(ann.page.locator("body")).to_have_attribute(
+            "data-phase", re.compile(".")
+        )  # the page has heard how things stand
         heading = eyes.robots()[ann.robot]["heading"]
         ann.hold((0, 1, False))
         until(lambda: eyes.robots()[ann.robot]["heading"] != heading, 10, "the keys move the robot")

@@ -3,6 +3,7 @@
 import * as dialogs from "../common/dialogs.js";
 import { element } from "../common/dom.js";
 import { podiumView } from "../results/podium.js";
+import { pictureButtons } from "./result_picture.js";
 import { clockText } from "../battle/state.js";
 import { standings, teamName, teamsOf } from "../battle/teams.js";
 import { list, percent, t } from "../common/words.js";
@@ -50,9 +51,10 @@ function givenTexts({ shots, hits, kills }) {
  * Show it, as the state at the battle's end tells it. The focus stays off the buttons: the player may still be hammering the keys.
  * @returns {Promise<""|"ok"|"give">} "ok": a rematch; "give": somebody else may have the seat
  */
-export function showResult({ result, coded }, name) {
+export function showResult({ result, coded, battle }, name) {
   const own = result.find((entry) => entry.name === name);
   const { outcome, title, text } = outcomeOf(result, name);
+  const stats = statsTexts(own, coded);
   return dialogs.show({
     kind: null,
     look: `result ${outcome}`,
@@ -60,7 +62,8 @@ export function showResult({ result, coded }, name) {
     text,
     body: [
       podiumView(result, name, coded),
-      element("ul", { className: "own-stats" }, ...statsTexts(own, coded).map((line) => element("li", {}, line))),
+      element("ul", { className: "own-stats" }, ...stats.map((line) => element("li", {}, line))),
+      pictureButtons({ title, text, stats, own, result, battle }),
     ],
     ok: t("result.rematch"),
     cancel: t("result.stay"),
