@@ -1,6 +1,7 @@
 """A robot and its master in the networks that people have: each joins by the address at which it can be reached."""
 
 import json
+import subprocess
 import sys
 from pathlib import Path
 
@@ -120,3 +121,42 @@ def test_another_address_by_dhcp_is_the_lans_again_and_never_the_vpns(lan: Lan, 
         master.announcer.wait_for("arena 'hall' is announced at 10.9.0.7\n")
         master.has_robot()
         assert "is announced at 10.8.0.2" not in master.announcer.output
+
+
+@pytest.mark.slow
+def test_a_battle_goes_on_when_dhcp_gives_the_master_another_address(lan: Lan, tmp_path: Path) -> None:
+    on_master, one, other = lan.machine(), lan.machine(), lan.machine()
+    robots = LanRobot(one, tmp_path), LanRobot(other, tmp_path, LASERBOT_ROBOT_NAME="other-robot")
+    with LanMaster(on_master, "hall", tmp_path) as master, robots[0], robots[1]:
+        until(lambda: master.robots() == 2, 60, "both robots")
+        players = {name: tmp_path / name for name in ("Ann", "Bob")}
+        for name, cookies in players.items():
+            assert '"OK"' in post(on_master, cookies, "signUpUser", f"data={name}")
+        for name, cookies in players.items():
+            assert '"OK"' in post(on_master, cookies, "playerReady", f"user={name}&ready=1")
+
+        def fights() -> bool:
+            """Both pages ask, as they do all the time."""
+            told = [json.loads(post(on_master, page, "updateGameStatus", "") or "{}") for page in players.values()]
+            return all(one.get("game") == 2 and len(json.loads(one["users"])) == 2 for one in told)
+
+        until(fights, 40, "the battle")
+        on_master.ip("addr", "flush", "dev", "eth0", "scope", "global")
+        on_master.ip("addr", "add", "10.9.0.7/24", "dev", "eth0")
+
+        def drive_again() -> bool:
+            fights()
+            return all(robot.output.count("/command (laser_bot_battle/Robot_msg) joined") == 2 for robot in robots)
+
+        until(drive_again, 60, "both robots at the new address")
+        assert "10.9.0.7:" in master.node("/robots_server")
+        assert fights()
+        assert master.server.output.count("battle 1 started") == 1
+        assert "battle 1 over" not in master.server.output
+
+
+def post(machine: Machine, cookies: Path, route: str, fields: str) -> str:
+    """What the web server on that machine answers; "" while it is away."""
+    words = ("-s", "--max-time", "5", "-b", str(cookies), "-c", str(cookies), "-d", fields)
+    ask = machine.command("curl", *words, f"http://127.0.0.1:5000/{route}")
+    return subprocess.run(ask, capture_output=True, text=True, check=False, timeout=30).stdout
