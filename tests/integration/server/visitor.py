@@ -32,7 +32,7 @@ def main() -> None:
     found = {
         "form": form.status_code,
         "cookie": "laserbot_session" in form.cookies,
-        "address": f"<strong>{NAME}</strong>" in screen,
+        "address": f">{NAME}</a>" in screen,
         "front": '<meta name="front"' in screen,
         "eyes": eyes.status_code,
         "floor": floor.status_code,

@@ -18,7 +18,7 @@ HERE, ELSEWHERE = {"REMOTE_ADDR": "127.0.0.1"}, {"REMOTE_ADDR": "10.0.0.9"}
 
 
 def browser_of(**variables: str) -> FlaskClient:
-    game = GameLoop(Referee(Rules()))
+    game = GameLoop(Referee(Rules()), clock=lambda: 1000.0)  # in which no robot falls silent
     for _ in range(3):
         add_linked_robot(game)
     return whole_site(game, Settings.from_env(variables)).test_client()

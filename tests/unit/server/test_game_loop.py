@@ -19,7 +19,7 @@ from tests.support.polling import until
 
 @pytest.fixture
 def battle() -> GameLoop:
-    return GameLoop(Referee(Rules()))
+    return GameLoop(Referee(Rules(robot_timeout=1000.0)))  # on a busy machine, no robot falls silent either
 
 
 @pytest.fixture

@@ -27,7 +27,7 @@ export function pictureButtons(story) {
     made.addEventListener("click", async () => use(new File([await draw(story)], `laserbot-battle-${story.battle}.png`, { type: "image/png" })));
     return made;
   };
-  const canShare = navigator.canShare?.({ files: [new File([], "result.png", { type: "image/png" })] }) ?? false;
+  const canShare = navigator.canShare?.({ files: [new File([], "result", { type: "image/png" })] }) ?? false;
   return element("p", { className: "result-picture" }, button(t("result.save_picture"), save), canShare && button(t("result.share"), share));
 }
 
