@@ -91,8 +91,10 @@ def _game(program: Program, settings: Settings, listener: Listener) -> Iterator[
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
     access = Access(settings.operator_token)
-    desk = create_operator_api(game, settings, access, database, log, health=health, identify=commands.identify)
     pages = PagesProcess()
+    desk = create_operator_api(
+        game, settings, access, database, log, health=health, identify=commands.identify, ask_audience=pages.tell
+    )
     app = create_app(game, settings, create_watch(game, health), create_operator(access), desk, pages=pages)
     web = FairServer(app, listener, channels, OwnRoutes(app).lane, settings.proxies)
     game.add_listener(Pulse(web).follow)

@@ -1,5 +1,6 @@
 """The process that makes what people look at. The game server starts it, on a socket that it listens on."""
 
+import json
 import logging
 import os
 import signal
@@ -12,6 +13,7 @@ import waitress
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.settings import read_or_exit
 from server.pages.app import create_pages
+from server.pages.audience import Audience, Ballot
 from server.pages.kept import KeptAnswers
 from server.store.results import Results
 from server.web.lanes import THREADS, Lane
@@ -27,16 +29,20 @@ def main() -> None:
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, signal.SIG_IGN)  # sent to the game server too, which ends us
     os.nice(_NICE)
-    threading.Thread(target=_end_with_the_game, name="end with the game", daemon=True).start()
+    audience = Audience()
+    threading.Thread(target=_follow_the_game, args=[audience], name="follow the game", daemon=True).start()
     listener = socket.socket(fileno=int(sys.argv[1]))
     results = Results(settings.database)
-    application = KeptAnswers(create_pages(settings, results), results.mark)
+    application = KeptAnswers(create_pages(settings, results, audience), results.mark)
     logging.getLogger("waitress.queue").setLevel(logging.ERROR)  # the game server has as many threads that ask
     waitress.create_server(application, sockets=[listener], threads=THREADS[Lane.PAGES], ident=None).run()
 
 
-def _end_with_the_game() -> None:
-    sys.stdin.buffer.read()
+def _follow_the_game(audience: Audience) -> None:
+    """It writes a line for each vote, and ends with us."""
+    for line in sys.stdin.buffer:
+        fields = json.loads(line)
+        audience.open(Ballot(fields["number"], tuple(map(tuple, fields["choices"])), fields["ends_at"]))
     os._exit(0)
 
 

@@ -4,6 +4,7 @@ from flask import Blueprint, Flask, render_template
 from werkzeug.utils import redirect
 from werkzeug.wrappers import Response
 
+from server.pages.audience import Audience, create_audience
 from server.pages.results import create_results
 from server.pages.watch import create_watch
 from server.store.results import Results
@@ -13,9 +14,10 @@ from server.web.hosts import as_told
 from server.web.settings import Settings
 
 
-def create_pages(settings: Settings, results: Results) -> Flask:
+def create_pages(settings: Settings, results: Results, audience: Audience) -> Flask:
     """The WSGI application."""
-    app = create_base(settings, _create_plain(), create_results(results), create_watch(settings))
+    routes = _create_plain(), create_results(results), create_watch(settings), create_audience(audience)
+    app = create_base(settings, *routes)
     app.wsgi_app = as_told(with_assets(app.wsgi_app))  # type: ignore[assignment, method-assign]
     return app
 

@@ -11,6 +11,7 @@ from werkzeug.wrappers import Request, Response
 
 from laser_bot_battle.names import FRONT_HEADER
 from laser_bot_battle.proxies import SCHEME
+from server.pages.audience import PREFIX as AUDIENCE
 from server.web.assets import STATIC
 from server.web.words import LANGUAGE_COOKIE, THEME_COOKIE
 
@@ -48,7 +49,7 @@ class KeptAnswers:
 
     def __call__(self, environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
         request = Request(environ)
-        if request.method not in ("GET", "HEAD") or request.path.startswith(STATIC):
+        if request.method not in ("GET", "HEAD") or request.path.startswith((STATIC, AUDIENCE)):
             return self._application(environ, start_response)
         question = _question(request)
         with self._makers[hash(question) % len(self._makers)]:

@@ -9,7 +9,7 @@ from werkzeug.wrappers import Request
 
 from laser_bot_battle.hosts import policy_source
 from laser_bot_battle.names import FRONT_HEADER
-from laser_bot_battle.proxies import Asked
+from laser_bot_battle.proxies import Asked, visitor
 from server.access.own_pages import PageAddresses, Standing
 from server.game.loop import GameLoop
 from server.web import operator_api
@@ -18,9 +18,10 @@ from server.web.assets import asset, compress_page
 from server.web.hosts import as_asked, request_host, with_valid_host
 from server.web.routes import OwnRoutes
 from server.web.settings import Settings
-from server.web.visitors import PROXIES
+from server.web.visitors import PROXIES, VISITOR
 from server.web.words import add_words
 
+_VISITOR = f"HTTP_{VISITOR.upper().replace('-', '_')}"
 _MAX_BODY = 16 * 1024  # bytes; the longest honest form has about 100
 
 
@@ -35,8 +36,10 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint, pages: WSGI
         session = session_of(Request(environ))
         if session is not None:
             game.seen(session)  # a sign of life
-        chosen = answer if own.has(environ["PATH_INFO"]) else pages
-        return chosen(environ, start_response)
+        if own.has(environ["PATH_INFO"]):
+            return answer(environ, start_response)
+        address = visitor(environ.get("REMOTE_ADDR", ""), environ.get("HTTP_X_FORWARDED_FOR"), settings.proxies)
+        return pages({**environ, _VISITOR: address}, start_response)
 
     app.wsgi_app = as_asked(with_valid_host(answer_or_ask), settings.proxies)  # type: ignore[assignment, method-assign]
     return app

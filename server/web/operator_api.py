@@ -29,6 +29,7 @@ from server.web.visitors import visitor_address
 PREFIX = "/operator/api/"
 MAX_BODY = 256 * 1024  # bytes; the longest honest one is a list of words
 JOURNAL_LINES = 200
+VOTE_SECONDS, VOTE_SHORTEST, VOTE_LONGEST = 30, 5, 600
 NO_TOKEN = "no operator token is set: start the server with LASERBOT_OPERATOR_TOKEN"
 
 _log = logging.getLogger(__name__)
@@ -47,14 +48,17 @@ def create_operator_api(
     *,
     health: RobotsHealth,
     identify: Callable[[int], bool],
+    ask_audience: Callable[[bytes], None],
 ) -> Blueprint:
-    """The routes, as a Flask blueprint. `identify` asks a robot to show itself; whether somebody there hears it."""
+    """The routes, as a Flask blueprint. `identify` asks a robot to show itself; whether somebody there hears it.
+    `ask_audience` passes a vote on to whoever counts (server.pages)."""
     api = Blueprint("operator_api", __name__, url_prefix="/operator/api")
     _add_guard(api, access)
     _add_views(api, game, settings, database=database, log=log, health=health)
     _add_journal(api, Journals(settings.journal) if settings.journal else None)
     _add_decisions(api, game)
     _add_identify(api, game, identify)
+    _add_vote(api, game, ask_audience)
     return api
 
 
@@ -241,6 +245,31 @@ def _add_identify(api: Blueprint, game: GameLoop, identify: Callable[[int], bool
             _refuse(404, f"there is no robot {robot_id}")
         if not identify(robot_id):
             _refuse(409, f"robot {robot_id} cannot show itself: nobody there listens to /Robot{robot_id}/identify")
+        return jsonify({})
+
+
+def _add_vote(api: Blueprint, game: GameLoop, ask_audience: Callable[[bytes], None]) -> None:
+    latest: dict[str, Any] = {}
+
+    @api.post("/vote")
+    def vote() -> Response:
+        """Let spectators choose one of some presets; no choices end the vote that is open."""
+        wanted = json_body(choices=(list,), seconds=(int, float))
+        choices, seconds = _needed(wanted, "choices"), wanted.get("seconds", VOTE_SECONDS)
+        now = time.monotonic()
+        if not choices:
+            if not latest:
+                _refuse(409, "there is no vote")
+            latest["ends_at"] = min(latest["ends_at"], now)
+        else:
+            there = [[preset["name"], preset["own"]] for preset in game.overview()["presets"]]
+            given = [[one.get("name"), one.get("own")] if isinstance(one, dict) else None for one in choices]
+            if len(given) < 2 or any(one not in there or given.count(one) > 1 for one in given):
+                _refuse(400, "choices must be two or more different presets, each with name and own")
+            if not VOTE_SHORTEST <= seconds <= VOTE_LONGEST:
+                _refuse(400, f"seconds must be from {VOTE_SHORTEST} to {VOTE_LONGEST}")
+            latest.update(number=time.time_ns() // 1_000_000, choices=given, ends_at=now + seconds)
+        ask_audience(json.dumps(latest).encode() + b"\n")
         return jsonify({})
 
 

@@ -4,6 +4,7 @@ It answers on a socket of its own; what comes for it on the game server's port i
 game for the processor too, so a crowd of visitors costs a battle next to nothing.
 """
 
+import contextlib
 import logging
 import socket
 import string
@@ -40,6 +41,7 @@ class PagesProcess:
         self._own = threading.local()  # each thread's connection
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
+        self._told = b""
         self._ending = threading.Event()
 
     def run(self) -> None:
@@ -72,6 +74,13 @@ class PagesProcess:
                 process.kill()
         self._listener.close()
 
+    def tell(self, line: bytes) -> None:
+        """Write a line to its standard input, now and whenever it is started again, until there is another one."""
+        with self._lock:
+            self._told = line
+            if self._process is not None:
+                self._write(self._process)
+
     def __call__(self, environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
         asked = self._process
         try:
@@ -90,9 +99,16 @@ class PagesProcess:
 
     def _start(self) -> "subprocess.Popen[bytes]":
         number = self._listener.fileno()
-        return subprocess.Popen(
+        process = subprocess.Popen(
             [sys.executable, "-m", "server.pages", str(number)], stdin=subprocess.PIPE, pass_fds=[number]
         )
+        self._write(process)
+        return process
+
+    def _write(self, process: "subprocess.Popen[bytes]") -> None:
+        with contextlib.suppress(OSError):  # it has ended: the next one is told
+            process.stdin.write(self._told)  # type: ignore[union-attr]
+            process.stdin.flush()  # type: ignore[union-attr]
 
     def _ask(self, environ: WSGIEnvironment) -> tuple[HTTPResponse, bytes]:
         kept: _Connection | None = getattr(self._own, "connection", None)

@@ -13,6 +13,7 @@ from laser_bot_battle.token_bucket import TokenBuckets
 
 AT_ONCE = 4  # sign-ups of one address, then
 PERIOD = 3.0  # s for each further one
+VISITOR = "X-LaserBot-Visitor"  # to the process of the pages: the visitor's address, whatever the visitor says
 PROXIES = "LASERBOT_PROXIES"  # in the application's configuration
 
 _SALT = secrets.token_bytes(16)

@@ -9,11 +9,12 @@ import requests
 import segno
 from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
-from tests.support.demo import Demo
+from tests.support.demo import TOKEN, Demo
 from tests.support.play import hunt_down, shoot_to_the_end, start
 from tests.support.player import Eyes, Player, players_and_free_robots
 from tests.support.polling import until
 
+PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 PROJECTOR = {"width": 1920, "height": 1080}
 
 
@@ -87,6 +88,35 @@ def test_who_waits_is_told_in_order(screen: Page, battle: Demo) -> None:
         for name, http in waiting.items():
             http.post(f"{battle.web}/signOutUser", data={"data": name}, timeout=5)
         expect(screen.locator("#queue")).to_be_hidden()
+
+
+def test_people_who_watch_cheer_and_vote_and_the_operator_applies_what_they_chose(
+    screen: Page, chromium: Browser, battle: Demo, screenshots: Path
+) -> None:
+    phone, desk = (chromium.new_context(**options) for options in (PHONE, {}))
+    watching, operating = phone.new_page(), desk.new_page()
+    watching.goto(f"{battle.web}/watch")
+    desk.request.post(f"{battle.web}/operator/login", form={"token": TOKEN, "name": "Otto"})
+    operating.goto(f"{battle.web}/operator")
+    with Player(battle, "Ann"), Player(battle, "Bob"):
+        watching.locator("[data-name=Ann].cheer").click()
+        expect(screen.locator("[data-name=Ann].cheer b")).to_have_text("1")
+        for preset in ("Children", "Short rounds"):
+            operating.locator("#vote-presets").get_by_label(preset).check()
+        operating.get_by_role("button", name="Start the vote").click()
+        watching.get_by_role("button", name="Short rounds").click()
+        expect(screen.locator("#vote-choices li").last).to_contain_text("1 vote")
+        expect(watching.get_by_role("button", name="Short rounds")).to_have_attribute("aria-pressed", "true")
+        watching.get_by_role("button", name="Children").click()  # somebody thinks again
+        expect(screen.locator("#vote-choices li").first).to_contain_text("1 vote")
+        screen.screenshot(path=screenshots / "watch-vote.png")
+        watching.screenshot(path=screenshots / "watch-vote-390.png")
+        operating.get_by_role("button", name="End it now").click()
+        expect(screen.locator("#vote-title")).to_have_text("The audience has chosen")
+        operating.get_by_role("button", name="Apply: Children").click()
+        expect(operating.locator("#rule-hit_damage")).to_have_value("5")
+    for context in (phone, desk):
+        context.close()
 
 
 @pytest.mark.slow

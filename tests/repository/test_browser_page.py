@@ -16,6 +16,7 @@ from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
 from server.messages.types import Types
 from server.pages.app import create_pages
+from server.pages.audience import Audience
 from server.ros.status import to_message
 from server.rosbridge.delivery import Delivery
 from server.rosbridge.drivers import Drivers
@@ -144,7 +145,7 @@ ELSEWHERE = ("static", "results.")
 
 def test_the_page_has_every_route_and_no_other() -> None:
     settings = Settings.from_env({})
-    apps = Story().app, create_pages(settings, Results(settings.database))
+    apps = Story().app, create_pages(settings, Results(settings.database), Audience())
     rules = [rule for app in apps for rule in app.url_map.iter_rules() if not rule.endpoint.startswith(ELSEWHERE)]
     routes = {(method, rule.rule) for rule in rules for method in (rule.methods or set()) & {"GET", "POST"}}
     told = {(row["method"], path) for row in table(PAGE, "HTTP") for path in row["path"].split(", ")}

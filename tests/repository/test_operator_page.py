@@ -34,6 +34,7 @@ def test_the_page_has_every_route_and_no_other() -> None:
             EventLog(database),
             health=RobotsHealth(),
             identify=lambda _: True,
+            ask_audience=lambda _: None,
         )
     )
     methods = {"GET", "POST", "PUT", "DELETE", "PATCH"}

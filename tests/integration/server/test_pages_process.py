@@ -2,6 +2,7 @@
 
 import signal
 import time
+from collections.abc import Callable
 
 import psutil
 import pytest
@@ -43,6 +44,30 @@ def test_it_is_started_again_when_it_dies(server: GameServer) -> None:
     until(lambda: status(server, "/") == 200, 5)
     assert pages_of(server).pid != first.pid
     assert "started again" in server.program.output
+
+
+def test_a_vote_is_open_again_in_one_that_was_started_again(launch: Callable[..., GameServer]) -> None:
+    server = launch(LASERBOT_OPERATOR_TOKEN="the operators' token")
+    server.wait_until_serving()
+    until(lambda: status(server, "/audience") == 200, 5)
+    choices = [{"name": name, "own": False} for name in ("children", "beginners")]
+    ask = {"json": {"choices": choices}, "headers": {"Authorization": "Bearer the operators' token"}}
+    assert requests.post(f"{server.url}/operator/api/vote", timeout=5, **ask).status_code == 200
+    with requests.Session() as phone:
+
+        def votes() -> list[int] | None:
+            """For each choice; None while there is no vote to be seen."""
+            answer = phone.get(f"{server.url}/audience", timeout=5)
+            vote = answer.json()["vote"] if answer.ok else None
+            return vote and [choice["votes"] for choice in vote["choices"]]
+
+        until(lambda: votes() == [0, 0], 5, "the vote is open")
+        number = phone.get(f"{server.url}/audience", timeout=5).json()["vote"]["number"]
+        for cast in (f"vote?number={number}&choice=1", "cheer?name=ada"):
+            assert phone.post(f"{server.url}/audience/{cast}", timeout=5).status_code == 204
+        until(lambda: votes() == [0, 1], 5, "it is counted")
+        pages_of(server).kill()
+        until(lambda: votes() == [0, 0], 5, "it is open again")
 
 
 @pytest.mark.slow  # the time is real

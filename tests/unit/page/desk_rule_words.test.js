@@ -47,7 +47,3 @@ test("a preset is on while all that it says holds", () => {
   assert.equal(isOn({ idle: 60, of_another_version: 3 }), true);
 });
 
-test("an operator's preset has the name that it was given", () => {
-  assert.equal(words.presetName({ name: "short_rounds", own: false }), "Short rounds");
-  assert.equal(words.presetName({ name: "short_rounds", own: true }), "short_rounds");
-});

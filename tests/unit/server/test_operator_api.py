@@ -28,6 +28,7 @@ from tests.support.polling import until
 from tests.support.site import whole_site
 
 TOKEN = "the operators' token"
+TWO = [{"name": name, "own": False} for name in ("children", "beginners")]  # to vote on
 BEARER = {"Authorization": f"Bearer {TOKEN}"}
 HUGE = "x" * 10_000_000
 # stand-ins: the real pages are tried in tests/browser
@@ -53,6 +54,7 @@ class Site:
         self.health = RobotsHealth(clock=lambda: self.now)
         self.deaf: set[int] = set()  # robots where nobody listens to what they are asked
         self.identified: list[int] = []
+        self.asked: list[bytes] = []  # what was passed on to who counts votes
         variables = {
             "LASERBOT_OPERATOR_TOKEN": token,
             "LASERBOT_ROSBRIDGE_PORT": "9191",
@@ -62,7 +64,14 @@ class Site:
         settings = Settings.from_env(variables)
         access = Access(settings.operator_token, clock=lambda: self.now)
         api = create_operator_api(
-            self.game, settings, access, self.database, self.log, health=self.health, identify=self.identify
+            self.game,
+            settings,
+            access,
+            self.database,
+            self.log,
+            health=self.health,
+            identify=self.identify,
+            ask_audience=self.asked.append,
         )
         self.app = whole_site(self.game, Settings.from_env({}), create_operator(access), api)
         self.app.jinja_loader = DictLoader(PAGES)
@@ -105,7 +114,7 @@ class Site:
 
     @property
     def state(self) -> dict[str, Any]:
-        return self.game.overview()
+        return {**self.game.overview(), "asked": self.asked[:]}
 
     def keep(self) -> list[str]:
         """Hand what was decided to the recorders, as the game's thread does; its kinds."""
@@ -157,6 +166,7 @@ ROUTES = {
     ("POST", "/operator/api/robots/0"): {"in_service": False},
     ("PUT", "/operator/api/rules"): {"hit_damage": 50},
     ("POST", "/operator/api/presets"): {"save": "ours"},
+    ("POST", "/operator/api/vote"): {"choices": TWO},
     ("POST", "/operator/api/message"): {"text": "hello"},
 }
 DECISIONS = [route for route in ROUTES if route[0] != "GET"]
@@ -354,6 +364,12 @@ IMPOSSIBLE: dict[tuple[str, str], list[dict[str, Any]]] = {
         {}, {"save": "a", "remove": "b"}, {"save": 1}, {"save": ""}, {"save": " "}, {"save": "x" * 33},
         {"save": "a\nb"}, {"apply": "children"},
     ],
+    ("POST", "vote"): [
+        {}, {"choices": "children"}, {"choices": TWO[:1]}, {"choices": [*TWO, TWO[0]]},
+        {"choices": ["children", "beginners"]}, {"choices": [*TWO, {"name": "nobody's", "own": True}]},
+        {"choices": [*TWO, {"name": "tournament", "own": True}]},
+        *({"choices": TWO, "seconds": seconds} for seconds in (4, 601, True, "30", float("nan"), float("inf"))),
+    ],
     ("POST", "message"): [
         {}, {"text": None}, {"text": 5}, {"text": ["x"]}, {"text": "x" * 201}, {"text": "a\nb"}, {"text": "a\u0007"},
         {"text": "a\u202eb"}, {"text": "\ud800"}, {"message": "x"},
@@ -521,6 +537,19 @@ def test_rules_are_kept_as_a_preset_and_hold_again(site: Site) -> None:
     }  # fmt: skip
     done(operator.post("/operator/api/presets", json={"remove": "Our evening"}))
     refused(operator.post("/operator/api/presets", json={"remove": "children"}), 404)
+
+
+def test_the_audience_is_asked_to_vote_until_the_operator_ends_it(site: Site) -> None:
+    operator = site.operator()
+    refused(operator.post("/operator/api/vote", json={"choices": []}), 409)
+    done(operator.post("/operator/api/vote", json={"choices": TWO, "seconds": 60}))
+    done(operator.post("/operator/api/vote", json={"choices": []}))
+    opened, ended = map(json.loads, site.asked)
+    assert opened["number"] == ended["number"]
+    assert opened["choices"] == ended["choices"] == [["children", False], ["beginners", False]]
+    assert 59 < opened["ends_at"] - ended["ends_at"] <= 60
+    done(operator.post("/operator/api/vote", json={"choices": TWO}))
+    assert json.loads(site.asked[-1])["number"] > opened["number"]
 
 
 def test_a_message_is_shown_and_taken_back(site: Site) -> None:

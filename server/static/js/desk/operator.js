@@ -7,27 +7,30 @@ import { Cameras } from "./cameras.js";
 import { Journal } from "./journal.js";
 import { LightCheck } from "./light_check.js";
 import { Presets } from "./presets.js";
-import { presetName, ruleName } from "./rule_words.js";
+import { ruleName } from "./rule_words.js";
 import { SoundCheck } from "./sound_check.js";
 import { TestDrive } from "./drive.js";
 import { INTERVAL, Poll } from "./poll.js";
 import * as view from "./view.js";
 import { ADDED_TIME } from "./words.js";
+import { AudienceVote } from "./vote.js";
 import { connectPreferences } from "../common/preferences.js";
+import { presetName } from "../common/preset_names.js";
 import { list, t } from "../common/words.js";
 
 const byId = (id) => document.getElementById(id);
 
 const rules = new RulesForm((name) => act(() => api.setRules({ [name]: null }), () => rules.forget(name)));
+const applyPreset = (preset) =>
+  act(
+    () => api.setRules(preset.rules),
+    () => {
+      rules.forget(...Object.keys(rules.changed));
+      dialogs.toast(t("desk.preset_applied", { name: presetName(preset) }));
+    },
+  );
 const presets = new Presets({
-  apply: (preset) =>
-    act(
-      () => api.setRules(preset.rules),
-      () => {
-        rules.forget(...Object.keys(rules.changed));
-        dialogs.toast(t("desk.preset_applied", { name: presetName(preset) }));
-      },
-    ),
+  apply: applyPreset,
   save: (name) => {
     const unsaved = Object.keys(rules.changed);
     if (unsaved.length) return view.showProblem(t("desk.preset_unsaved", { names: list(unsaved.map(ruleName)) }));
@@ -40,6 +43,10 @@ const presets = new Presets({
     );
   },
   remove: ({ name }) => act(() => api.presets({ remove: name })),
+});
+const vote = new AudienceVote({
+  open: (choices, seconds) => act(() => api.openVote(choices, seconds), () => vote.ask()),
+  apply: applyPreset,
 });
 const words = new WordsForm();
 const drive = new TestDrive();
@@ -56,6 +63,7 @@ const poll = new Poll({
     view.showState(state, on);
     rules.show(state.rules);
     presets.show(state.presets, state.rules);
+    vote.show(state.presets);
     words.show(state.names.words);
     journal.show(state.has_journal);
     lightCheck.show(state.game, state.robots);
@@ -156,6 +164,7 @@ addEventListener("pageshow", (event) => event.persisted && location.reload());
 connectPreferences();
 cameras.start();
 journal.start();
+vote.start();
 
 const tick = () => poll.tick(document.hidden);
 document.addEventListener("visibilitychange", tick);

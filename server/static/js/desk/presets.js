@@ -1,8 +1,9 @@
 // Sets of rules on the desk: one press makes them hold, and the present rules can be kept under a name.
 
 import { element, setText } from "../common/dom.js";
+import { presetName } from "../common/preset_names.js";
 import { rowButton, showRows } from "./rows.js";
-import { isPresetOn, presetName } from "./rule_words.js";
+import { isPresetOn } from "./rule_words.js";
 import { t } from "../common/words.js";
 
 const byId = (id) => document.getElementById(id);

@@ -57,9 +57,6 @@ export function changedRules(wanted, rules) {
   return Object.fromEntries(Object.entries(wanted).filter(([name, value]) => rules[name].value !== value));
 }
 
-/** @param {{name: string, own: boolean}} preset an operator's own has the name that it was given */
-export const presetName = ({ name, own }) => (own ? name : t(`desk.preset_${name}`));
-
 /**
  * Whether all that a preset says holds now.
  * @param {{rules: Record<string, number|boolean|string|null>}} preset null: the rule's default

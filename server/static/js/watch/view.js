@@ -1,5 +1,6 @@
 // The elements of the page for spectators, set from the state. Nodes of people who stay are kept.
 
+import { cheerButton } from "./audience.js";
 import { avatarUrl } from "../common/assets.js";
 import { element, lifeBar, setLife, setPicture, setText } from "../common/dom.js";
 import { wearColour } from "../common/robot_colours.js";
@@ -88,6 +89,7 @@ function makeRow(name) {
     element("span", { className: "watch-robot" }),
     element("span", { className: "watch-life" }),
     lifeBar(t("watch.life_of", { name })),
+    cheerButton(name),
   );
   row.dataset.name = name;
   return row;

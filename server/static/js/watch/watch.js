@@ -1,5 +1,6 @@
 // The page for spectators: a screen in the hall, or a phone. Nobody touches it for a whole evening.
 
+import { Audience } from "./audience.js";
 import { arenaAddress, socketAddress } from "../common/addresses.js";
 import { ArenaView } from "../common/arena_view.js";
 import { feedEntry, FeedList } from "../battle/feed_words.js";
@@ -22,6 +23,7 @@ const schedule = new ScreenSchedule();
 const leaders = new Leaders(() => askLeaders(serverDay(Date.now(), Number(setting("utc-offset")))));
 const arena = openArena();
 const viewChoice = new ViewChoice(arena !== null);
+const audience = new Audience();
 let status = null;
 let shown = null; // the players of the leaderboard on the page
 
@@ -31,6 +33,7 @@ function take(current) {
   schedule.take(current, news, performance.now());
   if (news.some((change) => change.kind === "end")) view.showPodium(current);
   view.showStatus(current);
+  audience.show();
   view.announce(news.filter((change) => ANNOUNCED.has(change.kind)).map((change) => feedEntry(change).text).join(" "));
   arena?.show(arenaPlayers(current, null));
   viewChoice.take(current.users);
@@ -56,6 +59,7 @@ function openArena() {
 }
 
 connectPreferences();
+audience.start();
 new StatusFeed({
   url: socketAddress("rosbridge"),
   onStatus: take,
