@@ -51,8 +51,9 @@ def test_a_vote_is_open_again_in_one_that_was_started_again(launch: Callable[...
     server.wait_until_serving()
     until(lambda: status(server, "/audience") == 200, 5)
     choices = [{"name": name, "own": False} for name in ("children", "beginners")]
-    ask = {"json": {"choices": choices}, "headers": {"Authorization": "Bearer the operators' token"}}
-    assert requests.post(f"{server.url}/operator/api/vote", timeout=5, **ask).status_code == 200
+    bearer = {"Authorization": "Bearer the operators' token"}
+    route = f"{server.url}/operator/api/vote"
+    assert requests.post(route, json={"choices": choices}, headers=bearer, timeout=5).status_code == 200
     with requests.Session() as phone:
 
         def votes() -> list[int] | None:
