@@ -129,6 +129,7 @@ def _unseated(event: events.Unseated, state: State, at: float) -> None:
 
 @_change.register
 def _left(event: events.Left, state: State, at: float) -> None:
+    state.winning, state.grudges = rivalry.forget(event.name, state.winning, state.grudges)
     user = state.users.get_user(event.name)
     if user is not None:
         _remove_user(state, user, at)

@@ -1,12 +1,13 @@
-"""What players have against each other from earlier battles, and who wins battle after battle: pure rules."""
+"""What players have against each other from earlier battles, and who wins battle after battle: pure rules.
+
+Only those who are there have either: whoever leaves is not remembered.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
 
 from server.game.people import Name
 from server.game.snapshot import Placing
-
-REMEMBERED = 1000  # people, those of the newest battles
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,7 +33,7 @@ def follow(winning: Iterable[Winning], result: Iterable[Placing]) -> tuple[Winni
         before = won.pop(placing.name, 0)
         if placing.place == 1 and not placing.left:
             won[placing.name] = before + 1
-    return tuple(Winning(name, battles) for name, battles in won.items())[-REMEMBERED:]
+    return tuple(Winning(name, battles) for name, battles in won.items())
 
 
 def wins(name: str, winning: Iterable[Winning]) -> int:
@@ -48,4 +49,14 @@ def is_revenge(grudges: Iterable[Grudge], name: str, by: str) -> bool:
 def taken_out(grudges: Iterable[Grudge], name: str, by: str) -> tuple[Grudge, ...]:
     """The grudges after `by` has taken `name` out."""
     others = (one for one in grudges if one.name != name and one != Grudge(by, name))
-    return (*others, Grudge(name, by))[-REMEMBERED:]
+    return (*others, Grudge(name, by))
+
+
+def forget(
+    name: str, winning: Iterable[Winning], grudges: Iterable[Grudge]
+) -> tuple[tuple[Winning, ...], tuple[Grudge, ...]]:
+    """What is left of both when somebody leaves."""
+    return (
+        tuple(one for one in winning if one.name != name),
+        tuple(one for one in grudges if name not in (one.name, one.against)),
+    )

@@ -148,4 +148,4 @@ def _address() -> str:
 
 
 def _answer(status: HTTPStatus) -> Response:
-    return make_response("", HTTPStatus.NO_CONTENT if status is HTTPStatus.OK else status)
+    return make_response("{}", status, {"Content-Type": "application/json"})

@@ -24,6 +24,7 @@ import psutil
 from sqlalchemy import URL, insert
 
 from laser_bot_battle.open_files import allow_files
+from server.pages.audience import COOKIE
 from server.store import schema
 from server.store.database import Database, make_engine
 from tests.bench.bench_rosbridge import cpu_seconds
@@ -39,6 +40,7 @@ BATTLES = 5441
 ROBOTS = 3
 SECONDS = 60.0
 AGAIN = 0.2  # s, after a connection was ended
+BETWEEN = 0.5  # s, in which one of an audience does nothing
 PING, LOOK = 0.1, 0.25  # s between two probes
 ANSWER_WITHIN = 10.0  # s; who waits for longer counts as waiting for so long
 
@@ -50,13 +52,22 @@ class Crowd(NamedTuple):
     addresses: int
     connections: int  # of each address
     by_front: bool = False
+    is_audience: bool = False  # well-behaved: they look at the hall's page, cheer and vote
 
     def __str__(self) -> str:
-        return f"{self.addresses} x {self.connections}{', front' if self.by_front else ''}"
+        kind = ", front" if self.by_front else ", audience" if self.is_audience else ""
+        return f"{self.addresses} x {self.connections}{kind}"
 
 
 NOBODY = Crowd(0, 0)
-CROWDS = (NOBODY, Crowd(1, 1000), Crowd(8, 100), Crowd(1, 1000, True), Crowd(8, 100, True))
+CROWDS = (
+    NOBODY,
+    Crowd(1, 1000),
+    Crowd(8, 100),
+    Crowd(1, 1000, True),
+    Crowd(8, 100, True),
+    Crowd(200, 1, is_audience=True),
+)
 
 
 class Felt(NamedTuple):
@@ -99,6 +110,14 @@ def asked(path: str, body: str = "") -> bytes:
     return f"{method} {path} HTTP/1.1\r\nHost: battle.local\r\nAccept-Encoding: gzip\r\n{form}\r\n{body}".encode()
 
 
+def of_audience(number: int) -> list[bytes]:
+    """What a phone sends one after the other: the hall's page asks how things stand, and its owner cheers and votes."""
+    cookie = f"Cookie: {COOKIE}={number:032x}\r\n"
+    routes = "GET /audience", "POST /audience/cheer?name=driver0", "POST /audience/vote?number=1&choice=0"
+    head = "HTTP/1.1\r\nHost: battle.local\r\nContent-Length: 0\r\n"
+    return [f"{route} {head}{cookie}\r\n".encode() for route in routes]
+
+
 RESULTS, HALL, LOG_IN = asked("/results?size=500"), asked("/watch"), asked("/signUpUser", "data=no+name!")
 HALF = LOG_IN[:-5]
 UPGRADE = (
@@ -128,6 +147,9 @@ class Strangers(InLoop):
     def come(self, addresses: int, connections: int) -> None:
         self.do(self._come(addresses, connections))
 
+    def watch(self, addresses: int) -> None:
+        self.do(self._watch(addresses))
+
     def answers(self) -> Counter[str]:
         return self._answers
 
@@ -139,6 +161,21 @@ class Strangers(InLoop):
         for number in range(addresses * connections):
             address = f"127.66.{number % addresses}.1"
             self.keep(self._go_on(kinds[number // addresses % len(kinds)], address))
+
+    async def _watch(self, addresses: int) -> None:
+        for number in range(addresses):
+            self.keep(self._go_on(self._take_part(number), f"127.66.{number}.1"))
+
+    def _take_part(self, number: int) -> Callable[..., object]:
+        async def take_part(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            await asyncio.sleep(number / 100)
+            while True:
+                for text in of_audience(number):
+                    writer.write(text)
+                    self._answers[await answer(reader)] += 1
+                    await asyncio.sleep(BETWEEN)
+
+        return take_part
 
     async def _go_on(self, kind: Callable[..., object], address: str) -> None:
         while True:
@@ -245,7 +282,10 @@ def feel(crowd: Crowd, seconds: float) -> tuple[Felt, dict[str, tuple[float, flo
         stack.callback(others.close)
         (child,) = psutil.Process(loaded.master.pids["server.main"]).children()
         more = {"pages": child.pid, "crowd": strangers.pid}
-        strangers.call("come", crowd.addresses, crowd.connections)
+        if crowd.is_audience:
+            strangers.call("watch", crowd.addresses)
+        else:
+            strangers.call("come", crowd.addresses, crowd.connections)
         time.sleep(SETTLE)
         others.call("took")
         before, began = {name: cpu_seconds(pid) for name, pid in more.items()}, time.monotonic()

@@ -14,7 +14,6 @@ from tests.support.play import hunt_down, shoot_to_the_end, start
 from tests.support.player import Eyes, Player, players_and_free_robots
 from tests.support.polling import until
 
-PHONE = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
 PROJECTOR = {"width": 1920, "height": 1080}
 
 
@@ -93,7 +92,8 @@ def test_who_waits_is_told_in_order(screen: Page, battle: Demo) -> None:
 def test_people_who_watch_cheer_and_vote_and_the_operator_applies_what_they_chose(
     screen: Page, chromium: Browser, battle: Demo, screenshots: Path
 ) -> None:
-    phone, desk = (chromium.new_context(**options) for options in (PHONE, {}))
+    phone = chromium.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    desk = chromium.new_context()
     watching, operating = phone.new_page(), desk.new_page()
     watching.goto(f"{battle.web}/watch")
     desk.request.post(f"{battle.web}/operator/login", form={"token": TOKEN, "name": "Otto"})

@@ -65,7 +65,8 @@ def test_a_vote_is_open_again_in_one_that_was_started_again(launch: Callable[...
         until(lambda: votes() == [0, 0], 5, "the vote is open")
         number = phone.get(f"{server.url}/audience", timeout=5).json()["vote"]["number"]
         for cast in (f"vote?number={number}&choice=1", "cheer?name=ada"):
-            assert phone.post(f"{server.url}/audience/{cast}", timeout=5).status_code == 204
+            assert phone.post(f"{server.url}/audience/{cast}", timeout=5).status_code == 200
+        assert phone.post(f"{server.url}/audience/vote?number=1&choice=1", timeout=5).status_code == 410
         until(lambda: votes() == [0, 1], 5, "it is counted")
         pages_of(server).kill()
         until(lambda: votes() == [0, 0], 5, "it is open again")

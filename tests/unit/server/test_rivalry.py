@@ -6,7 +6,7 @@ from functools import partial
 import pytest
 
 from server.game import desk
-from server.game.rivalry import REMEMBERED, Grudge, Winning, follow, taken_out
+from server.game.rivalry import Winning, follow
 from server.game.rules import Rules
 from server.game.snapshot import Placing
 from server.ros.status import to_message
@@ -106,11 +106,11 @@ def test_everybody_hears_of_them(match):
     assert [one.wins for one in message.result] == [one["wins"] for one in text["result"]] == [1, 0, 0]
 
 
-def test_what_is_remembered_is_bounded():
-    grudges: tuple[Grudge, ...] = ()
-    winning: tuple[Winning, ...] = ()
-    for number in range(2 * REMEMBERED):
-        grudges = taken_out(grudges, f"victim{number}", f"shooter{number}")
-        winning = follow(winning, [Placing(f"winner{number}", 0, 100, 0, 1, left=False)])
-    assert len(grudges) == len(winning) == REMEMBERED
-    assert grudges[-1].name == f"victim{2 * REMEMBERED - 1}"
+def test_whoever_leaves_has_neither_any_more(match):
+    battle(match, ("ada", "bob"), ("cy", "bob"))
+    match.sign_out("bob")
+    saved = match.referee.saved(match.now)
+    assert (saved["winning"], saved["grudges"]) == ([], [])
+    match.sign_up("bob")
+    battle(match, ("bob", "ada"), ("cy", "ada"))
+    assert told(match) == [("bob", "ada", 1, False), ("cy", "ada", 2, False)]

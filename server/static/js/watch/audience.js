@@ -6,7 +6,7 @@ import { presetName } from "../common/preset_names.js";
 import { number, t } from "../common/words.js";
 
 const POLL = 1500; // ms
-const MUCH = 429; // HTTP's status for too many
+const [DONE, OVER, MUCH] = [200, 410, 429]; // HTTP's statuses
 
 const byId = (id) => document.getElementById(id);
 
@@ -79,13 +79,13 @@ export class Audience {
 
   async #vote(choice) {
     const status = await send("vote", { number: this.#number, choice }).catch(() => 0);
-    if (status === 204) this.#choice = choice;
-    setText(byId("vote-note"), status === 410 ? t("audience.late") : status === MUCH ? t("audience.full") : "");
+    if (status === DONE) this.#choice = choice;
+    setText(byId("vote-note"), status === OVER ? t("audience.late") : status === MUCH ? t("audience.full") : "");
     await this.#ask();
   }
 
   async #cheer(name) {
-    if ((await send("cheer", { name }).catch(() => 0)) === 204) {
+    if ((await send("cheer", { name }).catch(() => 0)) === DONE) {
       this.#cheers[name] = (this.#cheers[name] ?? 0) + 1; // seen at once
       this.show();
     }
