@@ -4,13 +4,14 @@ from dataclasses import replace
 from functools import singledispatch
 
 from laser_bot_battle.names import Game, is_bot
-from server.game import events, handicap, rivalry
+from server.game import events, handicap, rivalry, tournament_course
 from server.game.events import Event
 from server.game.presets import Preset
 from server.game.ranking import ranks
 from server.game.snapshot import Happening, Placing
 from server.game.state import MEASURED, TOLD, State
 from server.game.teams import are_friends
+from server.game.tournament_events import TournamentEvent
 from server.game.users import User, Waiting, is_same_name
 
 
@@ -237,11 +238,17 @@ def _completed(placing: Placing, state: State, at: float) -> Placing:
     return replace(placing, seconds=seconds, wins=rivalry.wins(placing.name, state.winning))
 
 
+@_change.register
+def _tournament_goes_on(event: TournamentEvent, state: State, at: float) -> None:
+    state.tournament = tournament_course.follow(state.tournament, event, at)
+
+
 # ---- time and the operators ----
 
 
 @_change.register
 def _stood_still(event: events.StoodStill, state: State, _at: float) -> None:
+    state.tournament = tournament_course.delay(state.tournament, event.seconds)
     for robot in state.robots:
         robot.alive_at += event.seconds
     for user in state.users:

@@ -40,7 +40,7 @@ def start(state: State, rules: Rules, by: str) -> list[Event]:
         raise RefusedError("a battle is running already")
     if state.game is Game.COUNTDOWN:
         return [state.next_battle(rules, by)]
-    here = [user for user in state.users if user.robot_gone_at is None]
+    here = [user for user in state.users if user.robot_gone_at is None and state.may_fight(user.name)]
     if len(here) < 2:
         raise RefusedError("a battle takes two players with robots")
     ready = [events.ReadyChanged(user.name, True) for user in here if not user.ready]

@@ -8,8 +8,16 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from server.game.people import Cause, How, Name, Words
+from server.game.people import Cause, How, Name, Words, signature
 from server.game.snapshot import Placing
+from server.game.tournament_events import (
+    GameWon,
+    MatchCalled,
+    MatchCorrected,
+    NoShow,
+    TournamentClosed,
+    TournamentOpened,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,7 +140,7 @@ class Left:
     by: Name = ""
 
     def __str__(self) -> str:
-        return f"{self.name} {self.how}{_signature(self.by)}"
+        return f"{self.name} {self.how}{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +169,7 @@ class CountdownStarted:
     by: Name = ""  # without waiting for anybody
 
     def __str__(self) -> str:
-        return f"countdown started: {self.seconds:g} s{_signature(self.by)}"
+        return f"countdown started: {self.seconds:g} s{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,7 +183,7 @@ class CountdownStopped:
         return f"Countdown stopped: {self.cause}{'' if self.by else ', fewer than two players are ready'}."
 
     def __str__(self) -> str:
-        return f"{self.notice}{_signature(self.by)}"
+        return f"{self.notice}{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,7 +210,7 @@ class BattleStarted:
         names = ", ".join(
             f"{fighter.name} (team {fighter.team})" if fighter.team else fighter.name for fighter in self.fighters
         )
-        return f"battle {self.battle} started: {names}{_signature(self.by)}"
+        return f"battle {self.battle} started: {names}{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -241,7 +249,7 @@ class BattleEnded:
 
     def __str__(self) -> str:
         ranking = ", ".join(f"{placing.place} {placing.name}" for placing in self.result)
-        return f"battle {self.battle} over: {self.cause}; ranking: {ranking}{_signature(self.by)}"
+        return f"battle {self.battle} over: {self.cause}; ranking: {ranking}{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -259,7 +267,7 @@ class Paused:
     by: Name
 
     def __str__(self) -> str:
-        return f"paused{_signature(self.by)}"
+        return f"paused{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -267,7 +275,7 @@ class Resumed:
     by: Name
 
     def __str__(self) -> str:
-        return f"goes on{_signature(self.by)}"
+        return f"goes on{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -278,7 +286,7 @@ class TimeAdded:
     by: Name
 
     def __str__(self) -> str:
-        return f"{self.seconds:g} s added{_signature(self.by)}"
+        return f"{self.seconds:g} s added{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -292,7 +300,7 @@ class RulesChanged:
         changes = ", ".join(
             f"{rule} {'as configured' if value is None else value}" for rule, value in self.changes.items()
         )
-        return f"rules changed: {changes}{_signature(self.by)}"
+        return f"rules changed: {changes}{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -304,7 +312,7 @@ class PresetSaved:
     by: Name
 
     def __str__(self) -> str:
-        return f"the rules are saved as the preset {self.preset}{_signature(self.by)}"
+        return f"the rules are saved as the preset {self.preset}{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -313,7 +321,7 @@ class PresetRemoved:
     by: Name
 
     def __str__(self) -> str:
-        return f"the preset {self.preset} is removed{_signature(self.by)}"
+        return f"the preset {self.preset} is removed{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,7 +333,7 @@ class ServiceChanged:
     by: Name
 
     def __str__(self) -> str:
-        return f"robot {self.robot} is {'back in' if self.in_service else 'out of'} service{_signature(self.by)}"
+        return f"robot {self.robot} is {'back in' if self.in_service else 'out of'} service{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -334,7 +342,7 @@ class NameBanned:
     by: Name
 
     def __str__(self) -> str:
-        return f"the name {self.name} is banned{_signature(self.by)}"
+        return f"the name {self.name} is banned{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -343,7 +351,7 @@ class NameUnbanned:
     by: Name
 
     def __str__(self) -> str:
-        return f"the name {self.name} is allowed again{_signature(self.by)}"
+        return f"the name {self.name} is allowed again{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -354,7 +362,7 @@ class WordsChanged:
     by: Name
 
     def __str__(self) -> str:
-        return f"{len(self.words)} words are not allowed in names{_signature(self.by)}"
+        return f"{len(self.words)} words are not allowed in names{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,7 +374,7 @@ class MessageShown:
 
     def __str__(self) -> str:
         what = f"message to everybody: {self.text}" if self.text else "the message to everybody is taken back"
-        return f"{what}{_signature(self.by)}"
+        return f"{what}{signature(self.by)}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -376,7 +384,7 @@ class DriveTaken:
     by: Name
 
     def __str__(self) -> str:
-        return f"the controls for a test drive were handed out{_signature(self.by)}"
+        return f"the controls for a test drive were handed out{signature(self.by)}"
 
 
 Event = (
@@ -412,7 +420,15 @@ Event = (
     | WordsChanged
     | MessageShown
     | DriveTaken
+    | TournamentOpened
+    | MatchCalled
+    | GameWon
+    | NoShow
+    | MatchCorrected
+    | TournamentClosed
 )
+
+_TUPLES = {"words", "names", "robots"}  # fields
 
 # the classes by the names under which events are kept
 KINDS: Mapping[str, type[Event]] = {kind.__name__: kind for kind in Event.__args__}
@@ -444,13 +460,9 @@ def from_json(kind: str, fields: Mapping[str, Any]) -> Event:
             given["fighters"] = tuple(Fighter(**fighter) for fighter in given["fighters"])
         if "result" in given:
             given["result"] = tuple(Placing(**placing) for placing in given["result"])
-        if "words" in given:
-            given["words"] = tuple(given["words"])
+        for field in _TUPLES & given.keys():
+            given[field] = tuple(given[field])
         event: Event = KINDS[kind](**given)
     except (KeyError, TypeError) as error:
         raise ValueError(f"no event {kind!r} of {fields!r}: {error}") from None
     return event
-
-
-def _signature(by: str) -> str:
-    return f" (by {by})" if by else ""

@@ -7,6 +7,7 @@ from server.game.presets import BUILT_IN
 from server.game.rules import DECLARED, Rules
 from server.game.snapshot import Snapshot
 from server.game.state import State
+from server.game.tournament_view import tournament_view
 
 
 def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, now: float) -> dict[str, Any]:
@@ -57,6 +58,7 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
             for own, presets in ((False, BUILT_IN), (True, state.presets))
             for preset in presets
         ],
+        "tournament": state.tournament and tournament_view(state.tournament, state.lengths),
         "names": {"banned": list(state.banned), "words": list(state.words)},
     }
 

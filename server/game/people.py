@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import is_dataclass
 from functools import partial
 from itertools import groupby
+from types import UnionType
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 from unicodedata import category
 
@@ -27,6 +28,7 @@ _HOW = re.compile(
     "|".join(
         (
             "was shot down|is no longer ready|lost the robot|signed out|left the page|makes room for a person",
+            "makes room for a match of the tournament",
             "was signed out by the operator|did not take the robot in time",
             r"was not ready for \S+ s while others waited|has played \d+ in a row, and others wait",
             r"has one of several robots at one address, and others wait|has had the robot for \S+ min, and others wait",
@@ -117,11 +119,27 @@ def _renamer(hint: Any) -> Renamer | None:
     """Of a field of that type; None if there is no name in it."""
     if get_origin(hint) is Annotated:
         return partial(_in_text, hint.__metadata__[0])
-    if get_origin(hint) in (list, tuple) and is_dataclass(kind := get_args(hint)[0]):
-        by_field = renamers(kind)
-        return partial(rename_each, by_field=by_field) if by_field else None
-    return None
+    if get_origin(hint) in (list, tuple):
+        inner = _renamer(get_args(hint)[0])
+        return partial(_in_each, inner) if inner else None
+    if get_origin(hint) is UnionType:  # with None
+        return _renamer(get_args(hint)[0])
+    by_field = renamers(hint) if is_dataclass(hint) else {}
+    return partial(_in_fields, by_field) if by_field else None
+
+
+def _in_each(inner: Renamer, values: Any, rename: Rename) -> Any:
+    return [inner(value, rename) for value in values] if isinstance(values, list | tuple) else values
+
+
+def _in_fields(by_field: Mapping[str, Renamer], value: Any, rename: Rename) -> Any:
+    return rename_fields(value, rename, by_field) if isinstance(value, Mapping) else value
 
 
 def _in_text(rename_in: Callable[[str, Rename], str], text: Any, rename: Rename) -> Any:
     return rename_in(text, rename) if isinstance(text, str) else text
+
+
+def signature(by: str) -> str:
+    """After what an operator has decided; empty: the rules did."""
+    return f" (by {by})" if by else ""

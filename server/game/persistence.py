@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from laser_bot_battle.names import Game
+from server.game import tournament_course
 from server.game.handicap import Losing
 from server.game.people import NEUTRAL
 from server.game.presets import Preset
@@ -16,6 +17,7 @@ from server.game.robot import Robot, Robots
 from server.game.rules import DECLARED, checked
 from server.game.snapshot import Happening, Placing
 from server.game.state import State
+from server.game.tournament import Tournament
 from server.game.users import User, Users, Waiting
 
 _Kept = Placing | Losing | Winning | Grudge | Happening  # kept by the names of its fields
@@ -55,6 +57,7 @@ def save(state: State, now: float) -> dict[str, Any]:
         "banned": state.banned[:],
         "words": list(state.words),
         "message": state.message,
+        "tournament": state.tournament and tournament_course.save(state.tournament, now),
     }
 
 
@@ -141,6 +144,7 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             banned=list(saved.get("banned", ())),
             words=tuple(saved.get("words", ())),
             message=str(saved.get("message", "")),
+            tournament=restore_tournament(saved.get("tournament"), then),
         )
     except (KeyError, TypeError, AttributeError) as error:
         raise ValueError(f"not a state of the game: {error!r}") from None
@@ -152,6 +156,14 @@ def _fields(one: _Kept) -> dict[str, Any]:
 
 def _known(kind: type[_Kept], fields: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in fields.items() if name in kind.__slots__}
+
+
+def restore_tournament(saved: dict[str, Any] | None, then: float) -> Tournament | None:
+    """None too for what only another version knows: the battle goes on without it."""
+    try:
+        return tournament_course.restore(saved, then) if saved else None
+    except (KeyError, TypeError, ValueError, IndexError):
+        return None
 
 
 def _restore_preset(fields: Mapping[str, Any]) -> Preset:

@@ -15,7 +15,7 @@ from typing import Any
 
 from laser_bot_battle.light_protocol import DAMAGES
 from laser_bot_battle.names import Game, is_bot
-from server.game import changes, desk, events, seats, views
+from server.game import changes, desk, events, seats, tournament_course, tournament_desk, tournament_events, views
 from server.game.events import Event, Recorded
 from server.game.handicap import damage_with
 from server.game.overview import overview
@@ -180,8 +180,7 @@ class Referee:
         if any(contains_word(name, word) for word in self._state.words):
             return Verdict.NAME_UNWANTED, None
         wait = wait and not is_bot(name)
-        free = [] if self._state.queue else seats.free_robots(self._state, self._rules)
-        robot = next((robot for robot in free if wanted in (None, robot.id)), None)
+        robot = next(iter(seats.robots_for(name, self._state, self._rules, wanted)), None)
         if robot is None and not (wait and seats.has_room(self._state, address)):
             return (Verdict.NO_ROBOTS if wanted is None else Verdict.ROBOT_UNAVAILABLE), None
         if robot is None:
@@ -233,6 +232,8 @@ class Referee:
             return Verdict.NOT_YOURS
         if ready and user.robot_gone_at is not None:
             return Verdict.ROBOT_AWAY
+        if ready and not self._state.may_fight(user.name):
+            return Verdict.STARTED
         if user.ready != ready:
             self._decide(events.ReadyChanged(user.name, ready), now)
             self._settle(now, f"{user.name} is no longer ready")
@@ -281,6 +282,7 @@ class Referee:
         light late: they hold again, unless something newer has been decided."""
         self._state.robots.remember(known_robots)
         self.operate(partial(desk.take_over, saved=saved), now)
+        self.operate(lambda state, _: tournament_desk.take_over(state, saved.get("tournament") or {}), now)
 
     def overview(self, now: float) -> dict[str, Any]:
         """What operators see."""
@@ -311,6 +313,8 @@ class Referee:
             yield state.ends_at, self._start_battle
         elif state.game is Game.PLAYING:
             yield state.ends_at, partial(self._end_battle, cause=TIME_LIMIT)
+        if absence := tournament_course.no_show(state):
+            yield absence[0], partial(self._decide_absence, absence[1])
         for robot in state.robots:
             missed_at = max(robot.alive_at + self._rules.robot_timeout, robot.spared_until)
             yield missed_at, partial(self._lose_robot, robot)
@@ -359,7 +363,14 @@ class Referee:
         self._decide(self._state.next_battle(self._rules), now)
 
     def _end_battle(self, now: float, cause: str) -> None:
-        self._decide(events.BattleEnded(self._state.battle, cause, self._state.ranking()), now)
+        ended = events.BattleEnded(self._state.battle, cause, self._state.ranking())
+        self._decide(ended, now)
+        for won in tournament_course.game_won(self._state, ended.battle, ended.result):
+            self._decide(won, now)
+        self._settle_seats(now)
+
+    def _decide_absence(self, event: tournament_events.NoShow, now: float) -> None:
+        self._decide(event, now)
         self._settle_seats(now)
 
     def _join(self, user: User | Waiting | None, session: str, now: float) -> Verdict:

@@ -4,7 +4,8 @@ A robot that nobody has is offered to whoever has waited longest; who does not t
 then, and out the second time. While somebody waits, a seat is not for ever: a player who is not ready for a while loses
 it to somebody who has waited as long, and so does, between battles, one who has played several in a row, or has had the
 robot for as long as one may. They all then wait behind the others. An address that has a robot gets another one only
-when nobody from elsewhere waits. Bots do not wait, and make room for people at once.
+when nobody from elsewhere waits. Bots do not wait, and make room for people at once. Who is called to a match of a
+tournament has a robot before everybody else, and keeps it until the match is decided.
 """
 
 from collections.abc import Iterator
@@ -27,6 +28,10 @@ _PAUSE = 20.0  # s between battles, for estimates
 
 def next_event(state: State, rules: Rules) -> Event | None:
     """What is to happen to seats and queue at once; to be asked again until it is nothing."""
+    for called in state.queue:
+        if called.offer is None and (own := _kept_robot(state, called.name)):
+            patience = state.tournament.patience if state.tournament else 0.0
+            return events.Offered(called.name, own.id, max(rules.offer, patience))
     waiting = _next_waiting(state)
     if waiting is None:
         return None
@@ -39,7 +44,7 @@ def next_event(state: State, rules: Rules) -> Event | None:
     is_break = state.game is Game.STOPPED and rules.battles_in_row
     if is_break and any(one.offer is None and not one.passed_on for one in state.queue):
         for user in state.users:
-            if user.battles >= rules.battles_in_row:
+            if user.battles >= rules.battles_in_row and state.kept_robot(user.name) is None:
                 return events.Unseated(user.name, f"has played {user.battles} in a row, and others wait")
     return None
 
@@ -53,7 +58,27 @@ def has_room(state: State, address: str) -> bool:
 def free_robots(state: State, rules: Rules) -> list[Robot]:
     """Those that can be given to somebody, in the order of their IDs."""
     given = sum(1 for _ in state.users) + sum(waiting.offer is not None for waiting in state.queue)
-    return [] if rules.seats and given >= rules.seats else state.robots.get_available_robots()
+    kept = {*state.tournament.called().values()} if state.tournament else set()
+    if rules.seats and given >= rules.seats:
+        return []
+    return [robot for robot in state.robots.get_available_robots() if robot.id not in kept]
+
+
+def robots_for(name: str, state: State, rules: Rules, wanted: int | None) -> list[Robot]:
+    """Those that somebody who comes now can have, or of them the `wanted` one: nobody is passed by who waits already,
+    except by whoever is called to a match."""
+    own = _kept_robot(state, name)
+    if own is not None:
+        return [own]
+    free = [] if state.queue else free_robots(state, rules)
+    return [robot for robot in free if wanted in (None, robot.id)]
+
+
+def _kept_robot(state: State, name: str) -> Robot | None:
+    """The one that is kept for that player, if it can be given."""
+    kept = state.kept_robot(name)
+    robot = state.robots.get_robot(kept) if kept is not None else None
+    return robot if robot is not None and robot.is_free else None
 
 
 def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left | events.Unseated | events.OfferMissed]]:
@@ -87,7 +112,7 @@ def seat_ends(state: State, rules: Rules) -> dict[str, float]:
     waiting = sorted(one.since for one in state.queue if one.offer is None)
     if not waiting:
         return {}
-    idle = [user for user in reversed([*state.users]) if not user.ready]
+    idle = [user for user in reversed([*state.users]) if not user.ready and state.kept_robot(user.name) is None]
     idle.sort(key=attrgetter("idle_since"))
     pairs = zip(waiting, idle, strict=False)
     return {user.name: max(since, user.idle_since) + rules.idle for since, user in pairs}
@@ -109,7 +134,7 @@ def _long_seated(state: State) -> list[User]:
     if state.game is not Game.STOPPED:
         return []
     waiting = sum(one.offer is None and not one.passed_on for one in state.queue)
-    seated = [*reversed([*state.users])]
+    seated = [user for user in reversed([*state.users]) if state.kept_robot(user.name) is None]
     seated.sort(key=attrgetter("seated_at"))
     return seated[:waiting]
 
@@ -119,7 +144,7 @@ def _bots_that_can_go(state: State) -> Iterator[User]:
     fighting = state.users.get_users_alive() if state.game is Game.PLAYING else []
     for user in reversed([*state.users]):
         robot = state.robots.get_robot(user.robot) if is_bot(user.name) else None
-        if robot is None or not (robot.in_service and robot.linked):
+        if robot is None or not (robot.in_service and robot.linked) or state.kept_robot(user.name) is not None:
             continue
         if user not in fighting or sides([other for other in fighting if other is not user]) >= 2:
             yield user
@@ -144,7 +169,10 @@ def _one_of_several(state: State) -> User | None:
     several = [
         user
         for user in state.users
-        if user.address and seated.count(user.address) > 1 and not (user.ready and state.game is Game.PLAYING)
+        if user.address
+        and seated.count(user.address) > 1
+        and not (user.ready and state.game is Game.PLAYING)
+        and state.kept_robot(user.name) is None
     ]
     return several[-1] if several else None
 

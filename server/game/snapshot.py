@@ -94,6 +94,7 @@ class Snapshot:
     hide_cameras: bool  # from spectators, while a battle runs
     damage: int  # life that a shot is to take
     happened: tuple[Happening, ...]  # in the running or the last battle, the newest last
+    tournament: int  # grows with each change of the one that is open; 0: none is
 
     @property
     def available_robots(self) -> int:

@@ -15,6 +15,7 @@ from server.game.robot import Robots
 from server.game.rules import Rules
 from server.game.snapshot import Happening, Placing
 from server.game.teams import deal
+from server.game.tournament import Tournament
 from server.game.users import User, Users, Waiting, is_same_name
 
 TOLD = 8  # of what has happened in a battle, the newest
@@ -50,6 +51,7 @@ class State:
     banned: list[str] = field(default_factory=list)  # names; who is banned is not forgotten
     words: tuple[str, ...] = ()  # that names may not contain
     message: Words = ""
+    tournament: Tournament | None = None  # the open one, or the last
 
     def time_left(self, now: float) -> float:
         """Seconds to the battle, or to its time limit; 0 when neither runs."""
@@ -63,16 +65,31 @@ class State:
             return 0.0
         return max(0.0, self.protected_until - (now if self.paused_at is None else self.paused_at))
 
+    def kept_robot(self, name: str) -> int | None:
+        """The robot that is kept for that player, who is called to a match; None: for this one there is none."""
+        called = self.tournament.called() if self.tournament else {}
+        return next((robot for one, robot in called.items() if is_same_name(one, name)), None)
+
+    @property
+    def is_match(self) -> bool:
+        """Whether the next battle is one of a tournament, in which only its two players fight."""
+        return self.tournament is not None and self.tournament.call is not None
+
+    def may_fight(self, name: str) -> bool:
+        """Whether that player may be in the next battle."""
+        return not self.is_match or self.kept_robot(name) is not None
+
     def next_battle(self, rules: Rules, by: str = "") -> events.BattleStarted:
         """The start of a battle of all who are ready."""
         ready = self.users.get_users_ready()
-        dealt = zip(ready, deal(ready, rules.teams), strict=True)
+        teams, spared = (0, 0) if self.is_match else (rules.teams, rules.handicap)
+        dealt = zip(ready, deal(ready, teams), strict=True)
         fighters = tuple(
-            events.Fighter(user.name, user.robot, user.avatar, team, handicap(user.name, self.losing, rules.handicap))
+            events.Fighter(user.name, user.robot, user.avatar, team, handicap(user.name, self.losing, spared))
             for user, team in dealt
         )
         return events.BattleStarted(
-            self.battle + 1, rules.battle_limit, fighters, by, rules.teams, protection=rules.protection
+            self.battle + 1, rules.battle_limit, fighters, by, teams, protection=rules.protection
         )
 
     def is_open(self, rules: Rules) -> bool:
@@ -83,7 +100,8 @@ class State:
         """Whether this player can still join the battle that runs. Nobody fights in it twice: neither under the same
         name nor, under another one, with the same robot."""
         has_left = any(is_same_name(one.name, user.name) or one.robot == user.robot for one in self.leavers)
-        return self.is_open(rules) and not user.ready and not has_left and user.robot_gone_at is None
+        can_fight = self.may_fight(user.name) and user.robot_gone_at is None
+        return self.is_open(rules) and not user.ready and not has_left and can_fight
 
     def join(self, user: User, rules: Rules) -> events.Joined:
         """The player joins with no more life than the weakest has."""

@@ -31,6 +31,7 @@ def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
         hide_cameras=rules.hide_cameras,
         damage=rules.hit_damage,
         happened=state.happened,
+        tournament=state.tournament.version if state.tournament and not state.tournament.closed else 0,
     )
 
 

@@ -39,6 +39,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
         teams=snapshot.teams,
         coded=snapshot.coded,
         hide_cameras=snapshot.hide_cameras,
+        tournament=snapshot.tournament,
         queue=[waiter.name for waiter in snapshot.queue],
         users=[
             UserStatus(

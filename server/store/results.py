@@ -12,6 +12,8 @@ from sqlalchemy import URL, Connection, Engine, NullPool, Row, case, create_engi
 from sqlalchemy.exc import SQLAlchemyError
 
 from laser_bot_battle.names import Game
+from server.game.persistence import restore_tournament
+from server.game.tournament_view import tournament_view
 from server.store import schema
 from server.store.clocks import Clocks
 from server.store.course import Course
@@ -196,6 +198,13 @@ class Results:
             [(row.name, row.place == 1) for row in rows_of_one]
             for _, rows_of_one in groupby(rows, lambda row: row.battle)
         ]
+
+    def tournament(self, arena: str) -> dict[str, Any] | None:
+        """As people see it, see server.game.tournament_view; of that arena, None without one."""
+        with self._reading() as connection:
+            data = connection.scalar(select(schema.state.c.data).where(schema.state.c.arena == arena)) or {}
+        found = restore_tournament(data.get("tournament"), 0.0)
+        return tournament_view(found, data.get("lengths", ())) if found else None
 
     @contextmanager
     def _reading(self) -> Iterator[Connection]:

@@ -16,7 +16,7 @@ from typing import Any, NoReturn
 from flask import Blueprint, Response, abort, g, json, jsonify, request
 
 from laser_bot_battle.names import VERSION, operator_ticket
-from server.game import desk
+from server.game import desk, tournament_desk
 from server.game.loop import GameLoop
 from server.game.robot_health import RobotsHealth
 from server.store.database import AwayError, Database
@@ -219,6 +219,10 @@ def _add_decisions(api: Blueprint, game: GameLoop) -> None:
         if len(change) != 1:
             _refuse(400, "one of save, remove is needed")
         return decide(desk.save_preset if "save" in change else desk.remove_preset, name=next(iter(change.values())))
+
+    @api.post("/tournament")
+    def tournament() -> Response:
+        return decide(tournament_desk.order, fields=json_body(**tournament_desk.FIELDS))
 
     @api.post("/message")
     def message() -> Response:

@@ -41,6 +41,7 @@ def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str,
         "teams": snapshot.teams,
         "coded": snapshot.coded,
         "hide_cameras": snapshot.hide_cameras,
+        "tournament": snapshot.tournament,
         "queue": [waiter.name for waiter in snapshot.queue],
         "users": [
             _person(

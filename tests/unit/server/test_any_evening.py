@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, precondition, rule
 
-from server.game import desk, events
+from server.game import desk, events, tournament_desk
 from server.game.emitter import DELAY, PULSE
 from server.game.events import Recorded
 from server.game.people import NAMELESS
@@ -188,6 +188,24 @@ class Evening(RuleBasedStateMachine):
     def operator_changes_rules(self, changes: dict[str, Any]) -> None:
         self.operate(desk.change_rules, changes=changes)
 
+    @rule(people=st.integers(4, 6), best_of=st.sampled_from([1, 3]), patience=st.sampled_from([0, 60]))
+    def operator_opens_a_tournament(self, people: int, best_of: int, patience: int) -> None:
+        names = ("ada", "bob", "cy", "dee", "eve", "fay")[:people]
+        self.operate(tournament_desk.open_one, names=names, best_of=best_of, patience=patience)
+
+    @rule(number=st.none() | st.integers(1, 5))
+    def operator_calls_a_match(self, number: int | None) -> None:
+        self.operate(tournament_desk.call, number=number)
+
+    @rule(number=st.integers(1, 5), name=NAMES)
+    def operator_corrects_or_says_who_is_missing(self, number: int, name: str) -> None:
+        if not self.operate(tournament_desk.no_show, number=number, name=name):
+            self.operate(tournament_desk.correct, number=number, winner=name, reason="seen")
+
+    @rule()
+    def operator_closes_the_tournament(self) -> None:
+        self.operate(tournament_desk.close)
+
     @rule(pause=st.sampled_from([0.0, 2.0, 60.0]))
     def the_program_is_killed(self, pause: float) -> None:
         self.note()
@@ -198,7 +216,9 @@ class Evening(RuleBasedStateMachine):
     @precondition(lambda self: len(self.referee.snapshot(self.now).players) >= 2)
     @rule(rounds=ROUNDS)
     def two_ready_players_get_a_battle(self, rounds: list[tuple[int, int, float]]) -> None:
-        """From any state, as soon as the running battle is over, and while nobody pauses or aborts it."""
+        """From any state, as soon as the running battle is over, while nobody pauses or aborts it, and no match of a
+        tournament is waited for."""
+        self.operate(tournament_desk.close)
         self.operate(desk.resume)
         if self.referee.snapshot(self.now).game == 2:
             self.operate(desk.abort)
@@ -220,7 +240,7 @@ class Evening(RuleBasedStateMachine):
         for at, event in ((one.at, one.event) for one in decided):
             self.note_cause(event)
             match event:
-                case events.Queued(name) | events.Left(name) | events.Seated(name):
+                case events.Queued(name) | events.Left(name) | events.Seated(name) | events.OfferMissed(name):
                     self.first.discard(name)
                     self.joined.add(name)
                 case events.Unseated(name):
@@ -321,8 +341,8 @@ class Evening(RuleBasedStateMachine):
 
     @invariant()
     def nobody_is_overtaken(self) -> None:
-        """Whoever came later, or comes back after a seat, stands behind those who wait already; whoever has lost a
-        robot to the operator stands behind those who have, too."""
+        """Whoever came later, has missed an offer, or comes back after a seat, stands behind those who wait already;
+        whoever has lost a robot to the operator stands behind those who have, too."""
         waiting = [waiter.name for waiter in self.referee.snapshot(self.now).queue]
         self.note()
         firsts = [name for name in waiting if name in self.first]

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 from sqlalchemy import Connection, create_engine, insert, select
 
 from laser_bot_battle.names import Game
-from server.game import changes, events
+from server.game import changes, events, tournament_events
+from server.game.draw import Kind
 from server.game.events import Event, Fighter, kind_of, to_json
 from server.game.handicap import Losing
 from server.game.people import AGAIN, BY_OPERATOR, TIME_LIMIT
@@ -20,6 +21,7 @@ from server.game.presets import Preset
 from server.game.robot import Robots
 from server.game.snapshot import Happening, Placing
 from server.game.state import State
+from server.game.tournament import Tournament
 from server.game.users import User, Users, Waiting
 from server.store import schema, versions
 from server.store.forget import ForgetError, find_forgotten, forget, rename_in_event, rename_in_state
@@ -83,6 +85,13 @@ def happened(who: str, word: str) -> list[Event]:
         events.WordsChanged((word, "Zoë"), who),
         events.MessageShown(f"{who}!", who),
         events.DriveTaken(who),
+        tournament_events.TournamentOpened(f"Cup of {who}", "knock-out", (who, "Zoë"), 1, False, 0, 60.0, who),
+        tournament_events.MatchCalled(1, (who, "Zoë"), (1, 2), who),
+        tournament_events.GameWon(1, who, 3),
+        tournament_events.NoShow(1, who, "Zoë", who),
+        tournament_events.NoShow(1, "Zoë", who),
+        tournament_events.MatchCorrected(1, who, f"{who}!", who),
+        tournament_events.TournamentClosed(who),
     ]
 
 
@@ -101,6 +110,7 @@ def saved(who: str, word: str, ended: Event) -> dict[str, Any]:
     state.rules, state.words, state.message = {"light": word}, (word, "Zoë"), f"({who})"
     state.presets = (Preset(f"of {who}", {"light": word}),)
     state.banned = [f"{word}x"]
+    state.tournament = Tournament(f"Cup of {who}", Kind.KNOCK_OUT, (who, "Zoë", "Ada", "Bo"))
     return through_json(save(state, 20.0))
 
 

@@ -577,6 +577,56 @@ def test_what_is_so_already_is_no_event(site: Site) -> None:
         assert site.keep() == []
 
 
+# a tournament
+
+
+def order(operator: Any, **fields: Any) -> Any:
+    return operator.post("/operator/api/tournament", json=fields)
+
+
+def test_a_tournament_is_led_by_programs_too_and_each_step_is_kept(site: Site) -> None:
+    operator = site.operator()
+    names = ["ada", "bob", "cy", "dee"]
+    site.players("ada", "dee")
+    done(order(operator, action="open", names=names, best_of=3, third=True, patience=60))
+    done(order(operator, action="call"))
+    done(order(operator, action="no_show", number=1, name="dee"))
+    done(order(operator, action="correct", number=1, winner="dee", reason="was there"))
+    done(order(operator, action="close"))
+    assert site.keep()[-5:] == ["TournamentOpened", "MatchCalled", "NoShow", "MatchCorrected", "TournamentClosed"]
+    tournament = operator.get("/operator/api/state").json["tournament"]
+    assert tournament["open"] is False
+    assert [match["winner"] for match in tournament["matches"]] == ["dee", None, None, None]
+
+
+@pytest.mark.parametrize(
+    ("fields", "code"),
+    [
+        ({}, 400),
+        ({"action": "begin"}, 400),
+        ({"action": "open"}, 400),
+        ({"action": "open", "names": "ada"}, 400),
+        ({"action": "open", "names": ["ada"]}, 400),
+        ({"action": "close", "number": 1}, 400),
+        ({"action": "call", "number": "1"}, 400),
+        ({"action": "call"}, 409),
+        ({"action": "close"}, 409),
+    ],
+)
+def test_what_no_tournament_can_do_is_refused(site: Site, fields: dict[str, Any], code: int) -> None:
+    response = order(site.operator(), **fields)
+    assert response.status_code == code
+    assert response.json["error"]
+    assert site.state["tournament"] is None
+
+
+def test_a_match_or_a_player_that_there_is_not_is_not_found(site: Site) -> None:
+    operator = site.operator()
+    done(order(operator, action="open", names=["ada", "bob", "cy", "dee"]))
+    assert order(operator, action="call", number=9).status_code == 404
+    assert order(operator, action="no_show", number=1, name="bob").status_code == 404
+
+
 # what is shown
 
 
@@ -585,8 +635,8 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     site.players("cy", "dee")
     state = site.operator().get("/operator/api/state").json
     assert state.keys() == {
-        "time", "game", "robots", "players", "queue", "rules", "presets", "names", "database", "versions", "operator",
-        "log", "has_journal",
+        "time", "game", "robots", "players", "queue", "rules", "presets", "names", "tournament", "database", "versions",
+        "operator", "log", "has_journal",
     }  # fmt: skip
     assert state["game"].keys() == {"state", "paused", "time_left", "battle", "notice", "message"}
     assert state["robots"][0].keys() >= {
