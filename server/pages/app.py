@@ -6,6 +6,7 @@ from werkzeug.wrappers import Response
 
 from server.pages.audience import Audience, create_audience
 from server.pages.results import create_results
+from server.pages.tournament import add_tournament
 from server.pages.watch import create_watch
 from server.store.results import Results
 from server.web.app import create_base
@@ -16,7 +17,9 @@ from server.web.settings import Settings
 
 def create_pages(settings: Settings, results: Results, audience: Audience) -> Flask:
     """The WSGI application."""
-    routes = _create_plain(), create_results(results), create_watch(settings), create_audience(audience)
+    of_results = create_results(results)
+    add_tournament(of_results, results, settings.arena)
+    routes = _create_plain(), of_results, create_watch(settings), create_audience(audience)
     app = create_base(settings, *routes)
     app.wsgi_app = as_told(with_assets(app.wsgi_app))  # type: ignore[assignment, method-assign]
     return app

@@ -19,6 +19,7 @@ PATHS = {
     "results": "/results",
     "battle": "/results/2",
     "leaderboard": "/results/leaderboard",
+    "tournament": "/tournament",
     "results-404": "/results/99",
 }
 

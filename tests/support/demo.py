@@ -41,7 +41,8 @@ class Demo(Battle):
         self._operate("PUT", "rules", **rules)
 
     def tidy(self) -> None:
-        """Nobody plays, waits or is banned, all robots stand ready, and the rules are those of the start."""
+        """Nobody plays, waits or is banned, no tournament is open, all robots stand ready, and the rules are those of
+        the start."""
         state: dict[str, Any] = until(self._state, 30, "the desk answers")
         if state["game"]["state"] != "stopped":
             self._operate("POST", "battle", action="abort")
@@ -52,6 +53,7 @@ class Demo(Battle):
         for robot in state["robots"]:
             self._operate("POST", f"robots/{robot['id']}", in_service=True)
         self._operate("POST", "message", text="")
+        self._operate("POST", "tournament", action="close")
         rules = state["rules"].items()
         self._operate("PUT", "rules", **{name: None for name, rule in rules if rule["value"] != rule["default"]})
         until(self._is_tidy, 30, "all robots are free")

@@ -7,12 +7,15 @@ import re
 import sqlite3
 from contextlib import closing
 from datetime import datetime
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import pytest
 from flask import Flask
 from sqlalchemy import URL
 
+from server.game import tournament_desk
 from server.game.loop import GameLoop
 from server.game.referee import Referee
 from server.game.robot import HIT_INTERVAL
@@ -38,6 +41,9 @@ ROUTES = (
     "/results/leaderboard",
     "/results/leaderboard.json",
     "/results/leaderboard.csv",
+    "/tournament",
+    "/tournament.json",
+    "/tournament.csv",
 )
 
 
@@ -200,6 +206,50 @@ def test_the_leaderboard_counts_what_was_won_and_taken(played, browser):
         {"place": 3, "name": "ada", "battles": 1, "wins": 0, "hits_taken": 0, "hits_given": None}
         | {"seconds": pytest.approx(20), **SUM},
     ]
+
+
+def open_tournament(match, *names: str, **options: Any) -> None:
+    match.referee.operate(partial(tournament_desk.open_one, by="Ann", names=names, **options), match.now)
+
+
+def call(match) -> None:
+    match.referee.operate(partial(tournament_desk.call, by="Ann"), match.now)
+
+
+def test_without_a_tournament_its_page_says_so(match, keep, browser):
+    keep()
+    assert "No tournament has been opened yet." in browser.get("/tournament").text
+    assert browser.get("/tournament.json").json == {"tournament": None}
+    assert table(browser.get("/tournament.csv")) == []
+
+
+def test_a_tournament_is_for_everybody_to_see(match, keep, browser):
+    match.sign_up("ada", "dee")
+    open_tournament(match, "ada", "bob", "cy", "dee", title="The <Cup>", third=True)
+    call(match)
+    match.ready("ada", "dee")
+    match.wait(15)
+    match.hit("ada", 10)
+    call(match)
+    keep()
+    told = browser.get("/tournament.json").json["tournament"]
+    assert (told["called"], told["matches"][0]["winner"]) == (2, "dee")
+    page = browser.get("/tournament").text
+    assert "The &lt;Cup&gt;" in page
+    assert "Final" in page
+    assert "winner of match 2" in page
+    rows = table(browser.get("/tournament.csv"))
+    assert [row["winner"] for row in rows] == ["dee", "", "", ""]
+    assert [row["third_place"] for row in rows] == ["0", "0", "1", "0"]
+    assert (rows[0]["player_1"], rows[0]["wins_1"], rows[0]["wins_2"], rows[0]["how"]) == ("ada", "0", "1", "played")
+
+
+def test_the_tables_of_the_groups_are_on_the_page(match, keep, browser):
+    open_tournament(match, *(f"p{number}" for number in range(8)), kind="groups")
+    keep()
+    page = browser.get("/tournament").text
+    assert page.count("<tbody>") == 2
+    assert "place 1 of group 1" in page
 
 
 def test_the_leaderboard_of_a_day_has_that_day_only(match, keep, browser):

@@ -44,6 +44,7 @@
  * @property {Player[]} result the last battle, best first
  * @property {number} teams 2 to 4; 0: everybody fights alone
  * @property {boolean} coded whether the light tells who has shot
+ * @property {number} tournament grows with each change of the tournament that is open; 0: none is
  * @property {Hit[]|null} events the newest of the running or the last battle, the newest last; null: not told
  */
 
@@ -70,6 +71,7 @@ export function fromTopic(message) {
     result: message.result.map((entry) => ({ ...UNTOLD, ...entry })),
     teams: message.teams ?? 0,
     coded: message.coded ?? false,
+    tournament: message.tournament ?? 0,
     events: message.events ?? null,
   };
 }
@@ -109,6 +111,7 @@ export function fromReply(reply, previous) {
     result: reply.game === 0 ? (previous?.result ?? []) : [],
     teams: previous?.teams ?? 0,
     coded: previous?.coded ?? false,
+    tournament: previous?.tournament ?? 0,
     events: null,
   };
 }

@@ -49,6 +49,7 @@ export const identify = (id) => call("POST", `robots/${id}/identify`, {});
 export const setRules = (values) => call("PUT", "rules", values);
 export const presets = (change) => call("POST", "presets", change);
 export const openVote = (choices, seconds) => call("POST", "vote", { choices, ...(choices.length && { seconds }) });
+export const tournament = (order) => call("POST", "tournament", order);
 export const showMessage = (text) => call("POST", "message", { text });
 
 /** Sign this browser out of the desk. */

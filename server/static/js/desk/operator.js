@@ -9,6 +9,7 @@ import { LightCheck } from "./light_check.js";
 import { Presets } from "./presets.js";
 import { ruleName } from "./rule_words.js";
 import { SoundCheck } from "./sound_check.js";
+import { Tournament } from "./tournament.js";
 import { TestDrive } from "./drive.js";
 import { INTERVAL, Poll } from "./poll.js";
 import * as view from "./view.js";
@@ -48,6 +49,7 @@ const vote = new AudienceVote({
   open: (choices, seconds) => act(() => api.openVote(choices, seconds), () => vote.ask()),
   apply: applyPreset,
 });
+const tournament = new Tournament((order, then) => act(() => api.tournament(order), then), view.showProblem);
 const words = new WordsForm();
 const drive = new TestDrive();
 const cameras = new Cameras();
@@ -65,6 +67,7 @@ const poll = new Poll({
     presets.show(state.presets, state.rules);
     vote.show(state.presets);
     words.show(state.names.words);
+    tournament.show(state);
     journal.show(state.has_journal);
     lightCheck.show(state.game, state.robots);
     const driven = state.robots.find(({ id }) => id === drive.robot);

@@ -27,6 +27,7 @@ import { Session, signedOut, whoAmI } from "./session.js";
 import { Speaker } from "../common/speaker.js";
 import * as state from "../battle/state.js";
 import * as storage from "../common/storage.js";
+import { OwnTournament } from "./tournament.js";
 import { TeamChoice } from "../battle/team_view.js";
 import * as view from "./view.js";
 import { t } from "../common/words.js";
@@ -62,11 +63,13 @@ class Game {
   #feedback = new Feedback({ speaker: this.#speaker, vibrate, jolt: makeJolt(byId("stage"), byId("flash")) });
   #laser = new Laser(byId("beam"));
   #marks = new HitMarks(byId("hit-mark"), byId("hit-note"));
+  #tournament;
   #teams = new TeamChoice(byId("teams"), (team) => this.#chooseTeam(team));
 
   constructor(me, arena) {
     this.#me = me;
     this.#arena = arena;
+    this.#tournament = new OwnTournament(me.name, byId("tournament"));
     this.#session = new Session({
       me,
       onEnd: (message, ms) => this.#leave(message, ms),
@@ -178,6 +181,7 @@ class Game {
     if (me.avatar !== this.#me.avatar && this.#connection.up) this.#me.avatar = me.avatar;
     view.showPlayer(this.#me);
     view.showStatus(status, name, this.#refusal);
+    this.#tournament.take(status);
     this.#teams.show(state.teamChoice(status, name));
     if (view.showCountdown(status)) count(byId("countdown"));
     view.announce(state.announcement(previous, status, name));

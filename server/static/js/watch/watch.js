@@ -8,6 +8,7 @@ import { askLeaders, Leaders, serverDay } from "../results/leaders.js";
 import { arenaPlayers } from "../battle/players.js";
 import { connectPreferences } from "../common/preferences.js";
 import { ScreenSchedule } from "./screen_schedule.js";
+import { HallTournament } from "./tournament.js";
 import { StatusFeed } from "../battle/status_feed.js";
 import { ViewChoice } from "./view_choice.js";
 import * as view from "./view.js";
@@ -24,6 +25,7 @@ const leaders = new Leaders(() => askLeaders(serverDay(Date.now(), Number(settin
 const arena = openArena();
 const viewChoice = new ViewChoice(arena !== null);
 const audience = new Audience();
+const tournament = new HallTournament();
 let status = null;
 let shown = null; // the players of the leaderboard on the page
 
@@ -37,6 +39,7 @@ function take(current) {
   view.announce(news.filter((change) => ANNOUNCED.has(change.kind)).map((change) => feedEntry(change).text).join(" "));
   arena?.show(arenaPlayers(current, null));
   viewChoice.take(current.users);
+  tournament.take(current);
   look();
 }
 
