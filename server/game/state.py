@@ -94,14 +94,14 @@ class State:
 
     def is_open(self, rules: Rules) -> bool:
         """Whether the battle that runs can still be joined."""
-        return rules.late_join and self.game is Game.PLAYING and not self.teams and self.paused_at is None
+        joins = rules.late_join and not self.teams and not self.is_match
+        return joins and self.game is Game.PLAYING and self.paused_at is None
 
     def may_join(self, user: User, rules: Rules) -> bool:
         """Whether this player can still join the battle that runs. Nobody fights in it twice: neither under the same
         name nor, under another one, with the same robot."""
         has_left = any(is_same_name(one.name, user.name) or one.robot == user.robot for one in self.leavers)
-        can_fight = self.may_fight(user.name) and user.robot_gone_at is None
-        return self.is_open(rules) and not user.ready and not has_left and can_fight
+        return self.is_open(rules) and not user.ready and not has_left and user.robot_gone_at is None
 
     def join(self, user: User, rules: Rules) -> events.Joined:
         """The player joins with no more life than the weakest has."""

@@ -59,9 +59,13 @@ def test_a_tournament_from_the_desk_to_its_winner(
     expect(card).to_have_text(f"Match 1: you play against Dee now, with robot {ann.robot}. Press Ready!")
     expect(hall.locator(".hall-tournament li").first).to_contain_text(f"now: Ann with robot {ann.robot}, Dee with")
     expect(bracket.locator(".is-called")).to_contain_text("Dee")
-    for page, name in ((ann.page, "player"), (hall, "hall"), (bracket, "bracket"), (desk, "desk")):
+    bob = person("Bob", phone=(844, 390))
+    bob.page.locator("#username").fill("Bob")
+    bob.page.locator("#username").press("Enter")
+    expect(bob.page.locator("#queue-tournament")).to_have_text(re.compile("^Match 2: you play against Cy in about"))
+    for page, name in ((bob.page, "queue"), (ann.page, "player"), (hall, "hall"), (bracket, "bracket"), (desk, "desk")):
         for how in look.at(page):
-            page.screenshot(path=screenshots / f"tournament-{name}-{how}.png", full_page=name != "player")
+            page.screenshot(path=screenshots / f"tournament-{name}-{how}.png", full_page=name in ("desk", "bracket"))
         look.all(page, f"{name} with a match that is called")
     for number, answer in ((1, "Dee is not there"), (2, "Bob is not there")):
         panel.get_by_role("button", name=f"Decide of match {number}").click()

@@ -334,6 +334,14 @@ class Evening(RuleBasedStateMachine):
         assert snapshot.available_robots <= len(snapshot.robots) - len(set(robots) & set(snapshot.robots))
 
     @invariant()
+    def only_the_players_of_a_match_that_is_called_are_ready(self) -> None:
+        snapshot = self.referee.snapshot(self.now)
+        tournament = self.referee.overview(self.now)["tournament"] if snapshot.tournament else None
+        if tournament and tournament["called"]:
+            called = tournament["matches"][tournament["called"] - 1]["players"]
+            assert {player.name for player in snapshot.players if player.ready} <= set(called)
+
+    @invariant()
     def no_robot_stands_idle_while_somebody_waits_without_an_offer(self) -> None:
         snapshot = self.referee.snapshot(self.now)
         if any(waiter.offer is None for waiter in snapshot.queue):

@@ -120,6 +120,19 @@ def test_a_robot_is_kept_for_somebody_who_has_not_signed_up_yet(new_match):
     assert of_match(match, 1)["winner"] == "dee"
 
 
+def test_a_match_has_neither_latecomers_nor_teams(new_match):
+    match = new_match(rules=Rules(late_join=True, teams=2))
+    match.sign_up(*FOUR)
+    open_one(match)
+    call(match)
+    match.ready("ada", "dee")
+    match.wait(15)
+    assert match.state.game == 2
+    assert not match.state.late_join
+    assert set_ready(match, "cy") is Verdict.STARTED
+    assert {player.team for player in match.state.players} == {0}
+
+
 def test_between_the_battles_of_a_match_nobody_loses_the_robot(new_match):
     match = new_match(robots=2, rules=Rules(battles_in_row=1, idle=30))
     match.sign_up("ada", "dee")

@@ -27,7 +27,7 @@ import { Session, signedOut, whoAmI } from "./session.js";
 import { Speaker } from "../common/speaker.js";
 import * as state from "../battle/state.js";
 import * as storage from "../common/storage.js";
-import { OwnTournament } from "./tournament.js";
+import { OwnTournament } from "../battle/own_tournament.js";
 import { TeamChoice } from "../battle/team_view.js";
 import * as view from "./view.js";
 import { t } from "../common/words.js";

@@ -14,6 +14,7 @@ import { connectAsking, notify } from "./notices.js";
 import { connectPreferences } from "../common/preferences.js";
 import { Preferences } from "../common/preferences_store.js";
 import { fromTopic } from "../battle/messages.js";
+import { OwnTournament } from "../battle/own_tournament.js";
 import { arenaPlayers } from "../battle/players.js";
 import { battleText, queueText } from "../battle/queue.js";
 import { Speaker } from "../common/speaker.js";
@@ -40,6 +41,7 @@ const call = new OfferCall({ speaker, vibrate, page: document, notify });
 let avatar = Math.floor(Math.random() * storage.AVATARS);
 let entered = false; // the page goes
 let busy = false;
+let tournament = null; // of whoever waits
 let arena = null; // the ArenaView, where there is one
 
 function showAvatar() {
@@ -86,6 +88,7 @@ async function waitForRobot() {
     await second();
   }
   clock.terminate();
+  tournament = null;
   call.end();
   if (!take.hidden) {
     dialogs.show({ kind: "info", title: t("login.gone"), text: t("login.gone_text") });
@@ -98,6 +101,7 @@ async function waitForRobot() {
 
 function showQueue(session) {
   const words = queueText(session);
+  tournament ??= new OwnTournament(session.user, document.getElementById("queue-tournament"));
   queue.hidden = false;
   document.body.classList.add("is-queued");
   setText(document.getElementById("queue-title"), words.title);
@@ -112,6 +116,7 @@ function showQueue(session) {
 /** What there is to see meanwhile: who is who in the arena, and who fights. */
 function showBattle(status) {
   arena?.show(arenaPlayers(status, null));
+  tournament?.take(status);
   setText(document.getElementById("queue-battle"), battleText(status));
 }
 

@@ -1,7 +1,7 @@
 // The tournament for a player: against whom, when, and with which robot.
 
-import { ownText } from "../battle/tournament.js";
-import { TournamentFeed } from "../battle/tournament_feed.js";
+import { ownText } from "./tournament.js";
+import { TournamentFeed } from "./tournament_feed.js";
 import { setText } from "../common/dom.js";
 
 export class OwnTournament {
@@ -15,7 +15,7 @@ export class OwnTournament {
     this.#box = box;
   }
 
-  /** @param {import("../battle/messages.js").Status} status */
+  /** @param {import("./messages.js").Status} status */
   take(status) {
     this.#feed.take(status);
   }
