@@ -1,8 +1,9 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { OwnTournament } from "../../../server/static/js/battle/own_tournament.js";
 import { championText, matchText, nextMatches, ownText } from "../../../server/static/js/battle/tournament.js";
 import { TournamentFeed } from "../../../server/static/js/battle/tournament_feed.js";
-import "./samples.js";
+import { status } from "./samples.js";
 
 const seeds = (one, other) => [one, other].map((number) => ({ what: "seed", number, place: null }));
 
@@ -81,6 +82,21 @@ test("what changes while an answer is under way is asked for, too", async () => 
   asked.pass();
   await settled();
   assert.deepEqual(shown, [5, 6]);
+});
+
+test("a player's card is out of the way in a countdown and a battle", async () => {
+  const box = { hidden: true, textContent: "" };
+  const own = new OwnTournament("ada", box, world({ ...tournament(match(1, ["ada", "dee"])), version: 1 }));
+  own.take(status({ tournament: 1 }));
+  await settled();
+  const shown = [0, 1, 2, 0].map((game) => {
+    own.take(status({ tournament: 1, game }));
+    return !box.hidden;
+  });
+  assert.deepEqual(shown, [true, false, false, true]);
+  assert.match(box.textContent, /you play against dee/);
+  own.take(status({ tournament: 0 }));
+  assert.equal(box.hidden, true);
 });
 
 test("a server that does not answer is asked again", async () => {

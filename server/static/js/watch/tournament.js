@@ -1,5 +1,6 @@
 // The tournament on the screen in the hall: who plays next, where and when.
 
+import { PLAYING } from "../battle/state.js";
 import { championText, nextTexts } from "../battle/tournament.js";
 import { TournamentFeed } from "../battle/tournament_feed.js";
 import { element } from "../common/dom.js";
@@ -15,6 +16,7 @@ export class HallTournament {
   /** @param {import("../battle/status_feed.js").WatchedStatus} status */
   take(status) {
     this.#feed.take(status);
+    if (this.#box) this.#box.hidden = status.game === PLAYING; // the arena needs the room
   }
 
   #show(tournament) {
