@@ -35,6 +35,7 @@ class Evening(RuleBasedStateMachine):
         self.sessions: dict[str, str] = {}
         self.order: list[str] = []  # who waits, as last seen
         self.joined: set[str] = set()  # who has begun to wait since then
+        self.missed: set[str] = set()  # who has let one person pass since then
         self.first: set[str] = set()  # who waits because of a robot that is out of service
         self.paused = False
         self.out: set[int] = set()  # robots out of service
@@ -240,9 +241,12 @@ class Evening(RuleBasedStateMachine):
         for at, event in ((one.at, one.event) for one in decided):
             self.note_cause(event)
             match event:
-                case events.Queued(name) | events.Left(name) | events.Seated(name) | events.OfferMissed(name):
+                case events.Queued(name) | events.Left(name) | events.Seated(name):
                     self.first.discard(name)
                     self.joined.add(name)
+                case events.OfferMissed(name):
+                    self.first.discard(name)
+                    self.missed.add(name)
                 case events.Unseated(name):
                     (self.first.add if event.first else self.first.discard)(name)
                     self.joined.add(name)
@@ -349,17 +353,18 @@ class Evening(RuleBasedStateMachine):
 
     @invariant()
     def nobody_is_overtaken(self) -> None:
-        """Whoever came later, has missed an offer, or comes back after a seat, stands behind those who wait already;
-        whoever has lost a robot to the operator stands behind those who have, too."""
+        """Whoever came later, or comes back after a seat, stands behind those who wait already; whoever has lost a
+        robot to the operator stands behind those who have, too. Whoever misses an offer lets the next one pass."""
         waiting = [waiter.name for waiter in self.referee.snapshot(self.now).queue]
         self.note()
         firsts = [name for name in waiting if name in self.first]
         assert waiting[: len(firsts)] == firsts
-        for kind in (firsts, waiting[len(firsts) :]):
+        for everybody in (firsts, waiting[len(firsts) :]):
+            kind = [name for name in everybody if name not in self.missed]
             stayed = [name for name in kind if name not in self.joined]
             assert kind[: len(stayed)] == stayed
             assert [name for name in self.order if name in stayed] == stayed
-        self.order, self.joined = waiting, set()
+        self.order, self.joined, self.missed = waiting, set(), set()
 
     @invariant()
     def every_battle_has_a_winner_and_the_result_that_its_events_lead_to(self) -> None:
