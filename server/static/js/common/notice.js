@@ -9,13 +9,20 @@ const SENTENCES = [
 ];
 
 const CAUSES = [
-  [/^(.+) was shot down$/, "notice.shot_down"],
-  [/^(.+) is no longer ready$/, "notice.not_ready"],
-  [/^(.+) lost the robot$/, "notice.lost_robot"],
-  [/^(.+) signed out$/, "notice.signed_out"],
-  [/^(.+) left the page$/, "notice.left_page"],
-  [/^(.+) was signed out by the operator$/, "notice.by_operator"],
-  [/^(.+) makes room for a person$/, "notice.made_room"],
+  [/^(?<name>.+) was shot down$/, "notice.shot_down"],
+  [/^(?<name>.+) is no longer ready$/, "notice.not_ready"],
+  [/^(?<name>.+) lost the robot$/, "notice.lost_robot"],
+  [/^(?<name>.+) signed out$/, "notice.signed_out"],
+  [/^(?<name>.+) left the page$/, "notice.left_page"],
+  [/^(?<name>.+) was signed out by the operator$/, "notice.by_operator"],
+  [/^(?<name>.+) makes room for a person$/, "notice.made_room"],
+  [/^(?<name>.+) makes room for a match of the tournament$/, "notice.made_room_for_match"],
+  [/^(?<name>.+?) signed up again as (?<other>.+)$/, "notice.again"],
+  [/^(?<name>.+) did not take the robot in time$/, "notice.missed"],
+  [/^(?<name>.+) was not ready for (?<n>\S+) s while others waited$/, "notice.idle"],
+  [/^(?<name>.+) has played (?<n>\d+) in a row, and others wait$/, "notice.in_a_row"],
+  [/^(?<name>.+) has had the robot for (?<n>\S+) min, and others wait$/, "notice.minutes"],
+  [/^(?<name>.+) has one of several robots at one address, and others wait$/, "notice.one_address"],
   [/^the time limit is reached$/, "notice.time"],
   [/^the operator has ended it$/, "notice.operator"],
 ];
@@ -35,7 +42,10 @@ export const saysBattleOver = (notice) => notice.startsWith("Battle over");
 function causeText(cause) {
   for (const [pattern, key] of CAUSES) {
     const match = pattern.exec(cause);
-    if (match) return t(key, { name: match[1] });
+    if (match) return t(key, withNumber(match.groups ?? {}));
   }
   return cause;
 }
+
+/** A number as text would keep English's point. */
+const withNumber = ({ n, ...rest }) => (n === undefined ? rest : { ...rest, n: Number(n) });
