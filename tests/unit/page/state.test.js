@@ -242,6 +242,14 @@ test("beside a battle of others one may drive where the rule says so", () => {
   assert.match(text(values).hint, /you can drive; your laser is off/);
 });
 
+test("light goes out in one's own battle and in practice before it, but not beside a battle of others", () => {
+  const shoots = (values, me) => state.mayShoot(status({ ...values, users: [player("al", me)] }), "al");
+  assert.ok(shoots({ game: 2, practice_beside: true }, { ready: true }));
+  assert.ok(shoots({ game: 0, practice: true }));
+  assert.ok(!shoots({ game: 2, practice_beside: true }));
+  assert.ok(!shoots({ game: 2, practice_beside: true }, { ready: true, life: 0 }));
+});
+
 test("screen readers hear who has hit whom, as far as the light tells", () => {
   const fight = (ann, bob, events) => status({ game: 2, battle: 1, users: [player("Ann", { ready: true, life: ann }), player("Bob", { ready: true, life: bob })], events });
   const said = (...states) => state.announcement(...states, "Ann");

@@ -44,6 +44,9 @@ export function mayDrive(status, name) {
   return phase === "playing" || (status.practice && status.game === STOPPED) || (status.practiceBeside && phase === "watching");
 }
 
+/** Whether light goes out when this player shoots: beside a battle of others, none does. */
+export const mayShoot = (status, name) => mayDrive(status, name) && phaseOf(status, name) !== "watching";
+
 /**
  * The line that says how the game stands for this player, and a smaller one below it.
  * @param {string} refusal why this player's commands are refused now, for people

@@ -127,7 +127,8 @@ class Game {
     this.#driver = new Driver({
       send: (command) => {
         const sent = this.#connection.publish(me.robot, command);
-        if (!sent || !command.shoot || this.#refusal || !this.#feedback.fire(performance.now())) return;
+        if (!sent || !command.shoot || this.#refusal || !state.mayShoot(this.#status, me.name)) return;
+        if (!this.#feedback.fire(performance.now())) return;
         this.#laser.fire();
       },
       every: (ms, act) => {
