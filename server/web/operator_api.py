@@ -272,7 +272,8 @@ def _add_vote(api: Blueprint, game: GameLoop, ask_audience: Callable[[bytes], No
                 _refuse(400, "choices must be two or more different presets, each with name and own")
             if not VOTE_SHORTEST <= seconds <= VOTE_LONGEST:
                 _refuse(400, f"seconds must be from {VOTE_SHORTEST} to {VOTE_LONGEST}")
-            latest.update(number=time.time_ns() // 1_000_000, choices=given, ends_at=now + seconds)
+            number = max(time.time_ns() // 1_000_000, latest.get("number", 0) + 1)  # another one after a restart, too
+            latest.update(number=number, choices=given, ends_at=now + seconds)
         ask_audience(json.dumps(latest).encode() + b"\n")
         return jsonify({})
 
