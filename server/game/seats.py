@@ -9,6 +9,7 @@ tournament has a robot before everybody else, and keeps it until the match is de
 """
 
 from collections.abc import Iterator
+from math import inf
 from operator import attrgetter
 from statistics import fmean
 
@@ -89,9 +90,13 @@ def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left |
             yield user.robot_gone_at + rules.robot_return, events.Left(user.name, "lost the robot")
     for name, ends in seat_ends(state, rules).items():
         yield ends, events.Unseated(name, f"was not ready for {rules.idle:g} s while others waited")
-    for user in _long_seated(state) if rules.seat_minutes else ():
+    if rules.seat_minutes:
         how = f"has had the robot for {rules.seat_minutes:g} min, and others wait"
-        yield user.seated_at + rules.seat_minutes * 60, events.Unseated(user.name, how)
+        minutes = rules.seat_minutes * 60
+        # who has just had a robot waits for as long as others may have theirs
+        from_when = sorted(one.since + minutes if one.passed_on else -inf for one in state.queue if one.offer is None)
+        for user, since in zip(_longest_seated(state), from_when, strict=False):
+            yield max(user.seated_at + minutes, since), events.Unseated(user.name, how)
     strangers = _strangers(state)
     one_of_several = _one_of_several(state) if strangers else None
     if one_of_several is not None:
@@ -128,15 +133,13 @@ def estimate(place: int, state: State, rules: Rules) -> float:
     return turn * place / robots
 
 
-def _long_seated(state: State) -> list[User]:
-    """Who gives up a seat as soon as its time is over: one for each in the queue for whom nobody has done so yet, the
-    longest seated first, and of equal ones the last in the ranking. Nobody does in a countdown or battle."""
+def _longest_seated(state: State) -> list[User]:
+    """Whose seats may end by their minutes, the longest seated first, and of equal ones the last in the ranking. In a
+    countdown or battle, nobody's."""
     if state.game is not Game.STOPPED:
         return []
-    waiting = sum(one.offer is None and not one.passed_on for one in state.queue)
     seated = [user for user in reversed([*state.users]) if state.kept_robot(user.name) is None]
-    seated.sort(key=attrgetter("seated_at"))
-    return seated[:waiting]
+    return sorted(seated, key=attrgetter("seated_at"))
 
 
 def _bots_that_can_go(state: State) -> Iterator[User]:

@@ -301,6 +301,15 @@ def test_a_seat_ends_after_its_minutes_once_somebody_waits(new_match):
     assert queue(match) == [("cy", 0), ("ada", None)]
 
 
+def test_whoever_has_had_minutes_waits_for_the_next_ones_minutes_without_any_battle(new_match):
+    match = new_match(robots=1, rules=Rules(seat_minutes=10, idle=86400, offer=86400))
+    join(match, "ada", "bob")
+    for name in ("bob", "ada", "bob"):
+        pass_time(match, 601)
+        assert take(match, name) is Verdict.OK
+        assert match.names == [name]
+
+
 def test_a_seats_minutes_end_no_battle_and_outlive_the_program(new_match):
     match = new_match(robots=2, rules=Rules(seat_minutes=10, battles_in_row=0, idle=86400))
     join(match, "ada", "bob", "cy")
