@@ -90,7 +90,7 @@ class Gate(People):
             obstacle = "the battle is paused"
         elif not player.ready and not self._beside:
             obstacle = "not in this battle"
-        elif player.life == 0:
+        elif player.ready and player.life == 0:
             obstacle = "dead"
         else:
             return ""

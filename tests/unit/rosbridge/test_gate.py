@@ -67,6 +67,10 @@ def test_beside_a_battle_of_others_one_drives_where_the_rule_says_so_but_does_no
         assert (rules.refuses_publishing(AL, "/Robot0/command", 0.0) == "") is may, (game, beside)
     rules.update(GameStatus(game=PLAYING, practice_beside=True, users=[al, bo, cy]), 0.0)
     assert "dead" in rules.refuses_publishing(session_identity("token-of-cy"), "/Robot2/command", 0.0)
+    rules.update(
+        GameStatus(game=PLAYING, practice_beside=True, users=[user("al", 0, ready=False, life=0), bo, cy]), 0.0
+    )
+    assert rules.refuses_publishing(AL, "/Robot0/command", 0.0) == "", "the battle before counts no more"
     assert rules.granted(AL, SHOT) == NEUTRAL
     assert rules.granted(AL, FORWARD) == FORWARD
     assert rules.granted(BO, SHOT) == SHOT
