@@ -28,7 +28,7 @@ _HOW = re.compile(
     "|".join(
         (
             "was shot down|is no longer ready|lost the robot|signed out|left the page|makes room for a person",
-            "makes room for a match of the tournament",
+            "makes room for a match of the tournament|has a robot that is out of service",
             "was signed out by the operator|did not take the robot in time",
             r"was not ready for \S+ s while others waited|has played \d+ in a row, and others wait",
             r"has one of several robots at one address, and others wait|has had the robot for \S+ min, and others wait",

@@ -17,6 +17,7 @@ const CAUSES = [
   [/^(?<name>.+) was signed out by the operator$/, "notice.by_operator"],
   [/^(?<name>.+) makes room for a person$/, "notice.made_room"],
   [/^(?<name>.+) makes room for a match of the tournament$/, "notice.made_room_for_match"],
+  [/^(?<name>.+) has a robot that is out of service$/, "notice.out_of_service"],
   [/^(?<name>.+?) signed up again as (?<other>.+)$/, "notice.again"],
   [/^(?<name>.+) did not take the robot in time$/, "notice.missed"],
   [/^(?<name>.+) was not ready for (?<n>\S+) s while others waited$/, "notice.idle"],
