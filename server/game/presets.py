@@ -21,7 +21,8 @@ def _built_in(name: str, **rules: Any) -> Preset:
     their light, is not for them to say."""
     changed = (
         *("hit_damage", "countdown", "battle_limit", "friendly_fire"),
-        *("battles_in_row", "idle", "offer", "practice", "hide_cameras"),
+        *("handicap", "protection", "late_join"),
+        *("battles_in_row", "seat_minutes", "idle", "offer", "practice", "practice_beside", "hide_cameras"),
     )
     return Preset(name, {**dict.fromkeys(changed), **rules})
 
