@@ -26,7 +26,7 @@ const applyPreset = (preset) =>
   act(
     () => api.setRules(preset.rules),
     () => {
-      rules.forget(...Object.keys(rules.changed));
+      rules.forget(...Object.keys(rules.changed).filter((name) => name in preset.rules));
       dialogs.toast(t("desk.preset_applied", { name: presetName(preset) }));
     },
   );

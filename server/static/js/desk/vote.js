@@ -53,12 +53,13 @@ export class AudienceVote {
   }
 
   #showApply(winners) {
-    const chosen = winners.map((winner) => this.#presets.find((preset) => keyOf(preset) === keyOf(winner))).filter(Boolean);
+    const current = (wanted) => this.#presets.find((preset) => keyOf(preset) === keyOf(wanted)); // it may be saved anew
+    const chosen = winners.filter(current);
     const wanted = chosen.map(keyOf).join();
     const box = byId("vote-apply");
     if (box.dataset.shown === wanted) return;
     box.dataset.shown = wanted;
-    const button = (preset) => element("button", { type: "button", className: "button", onclick: () => this.#on.apply(preset) }, t("desk.vote_apply", { name: presetName(preset) }));
+    const button = (preset) => element("button", { type: "button", className: "button", onclick: () => this.#on.apply(current(preset)) }, t("desk.vote_apply", { name: presetName(preset) }));
     box.replaceChildren(...chosen.map(button));
   }
 
