@@ -100,7 +100,10 @@ class PagesProcess:
     def _start(self) -> "subprocess.Popen[bytes]":
         number = self._listener.fileno()
         process = subprocess.Popen(
-            [sys.executable, "-m", "server.pages", str(number)], stdin=subprocess.PIPE, pass_fds=[number]
+            [sys.executable, "-m", "server.pages", str(number)],
+            bufsize=0,  # what a process that has ended did not take would be written again when its input is closed
+            stdin=subprocess.PIPE,
+            pass_fds=[number],
         )
         self._write(process)
         return process
@@ -108,7 +111,6 @@ class PagesProcess:
     def _write(self, process: "subprocess.Popen[bytes]") -> None:
         with contextlib.suppress(OSError):  # it has ended: the next one is told
             process.stdin.write(self._told)  # type: ignore[union-attr]
-            process.stdin.flush()  # type: ignore[union-attr]
 
     def _ask(self, environ: WSGIEnvironment) -> tuple[HTTPResponse, bytes]:
         kept: _Connection | None = getattr(self._own, "connection", None)
