@@ -37,6 +37,7 @@ SECONDS = 20.0
 WARM_UP = 2.0  # s
 SETTLE = 1.0  # s, for what is on its way
 FILES = 4096  # that each process may open
+TOKEN = "the operators' token"
 
 # what must hold for 100 drivers on 2 cores
 P99 = 0.05  # s
@@ -100,6 +101,7 @@ class Master:
             "LASERBOT_COUNTDOWN": str(countdown(players)),
             "LASERBOT_BATTLE_LIMIT": "3600",
             "LASERBOT_HIT_DAMAGE": "1",
+            "LASERBOT_OPERATOR_TOKEN": TOKEN,
         }
         programs = {}
         for module, sign in (("server.main", "serving the game"), ("server.rosbridge", "listening on")):

@@ -21,17 +21,20 @@ from pathlib import Path
 from typing import NamedTuple
 
 import psutil
+import requests
 from sqlalchemy import URL, insert
 
 from laser_bot_battle.open_files import allow_files
 from server.pages.audience import COOKIE
 from server.store import schema
 from server.store.database import Database, make_engine
+from server.web.operator_api import VOTE_LONGEST
 from tests.bench.bench_rosbridge import cpu_seconds
 from tests.bench.rosbridge_load import Remote
-from tests.bench.scale import FILES, SETTLE, Loaded, Row, loaded_master, measure
+from tests.bench.scale import FILES, SETTLE, TOKEN, Loaded, Row, loaded_master, measure
 from tests.support.bare import text_of
 from tests.support.light_robots import InLoop
+from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import HOST
@@ -110,10 +113,14 @@ def asked(path: str, body: str = "") -> bytes:
     return f"{method} {path} HTTP/1.1\r\nHost: battle.local\r\nAccept-Encoding: gzip\r\n{form}\r\n{body}".encode()
 
 
-def of_audience(number: int) -> list[bytes]:
+def of_audience(number: int, vote: int) -> list[bytes]:
     """What a phone sends one after the other: the hall's page asks how things stand, and its owner cheers and votes."""
     cookie = f"Cookie: {COOKIE}={number:032x}\r\n"
-    routes = "GET /audience", "POST /audience/cheer?name=driver0", "POST /audience/vote?number=1&choice=0"
+    routes = (
+        "GET /audience",
+        "POST /audience/cheer?name=driver0",
+        f"POST /audience/vote?number={vote}&choice={number % 2}",
+    )
     head = "HTTP/1.1\r\nHost: battle.local\r\nContent-Length: 0\r\n"
     return [f"{route} {head}{cookie}\r\n".encode() for route in routes]
 
@@ -147,8 +154,9 @@ class Strangers(InLoop):
     def come(self, addresses: int, connections: int) -> None:
         self.do(self._come(addresses, connections))
 
-    def watch(self, addresses: int) -> None:
-        self.do(self._watch(addresses))
+    def watch(self, addresses: int, vote: int) -> None:
+        """And take part in the vote of this number."""
+        self.do(self._watch(addresses, vote))
 
     def answers(self) -> Counter[str]:
         return self._answers
@@ -162,15 +170,15 @@ class Strangers(InLoop):
             address = f"127.66.{number % addresses}.1"
             self.keep(self._go_on(kinds[number // addresses % len(kinds)], address))
 
-    async def _watch(self, addresses: int) -> None:
+    async def _watch(self, addresses: int, vote: int) -> None:
         for number in range(addresses):
-            self.keep(self._go_on(self._take_part(number), f"127.66.{number}.1"))
+            self.keep(self._go_on(self._take_part(number, vote), f"127.66.{number}.1"))
 
-    def _take_part(self, number: int) -> Callable[..., object]:
+    def _take_part(self, number: int, vote: int) -> Callable[..., object]:
         async def take_part(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
             await asyncio.sleep(number / 100)
             while True:
-                for text in of_audience(number):
+                for text in of_audience(number, vote):
                     writer.write(text)
                     self._answers[await answer(reader)] += 1
                     await asyncio.sleep(BETWEEN)
@@ -268,6 +276,23 @@ def front(loaded: Loaded, web_port: int) -> Iterator[int]:
         program.stop()
 
 
+def open_vote(web: str) -> int:
+    """Its number. It is open for longer than a crowd is there."""
+    choices = [{"name": name, "own": False} for name in ("children", "beginners")]
+    asked_for = {"choices": choices, "seconds": VOTE_LONGEST}
+    bearer = {"Authorization": f"Bearer {TOKEN}"}
+    requests.post(f"{web}/operator/api/vote", json=asked_for, headers=bearer, timeout=10).raise_for_status()
+
+    def number() -> int | None:
+        vote = requests.get(f"{web}/audience", timeout=10).json()["vote"]
+        return vote and int(vote["number"])
+
+    until(lambda: number() is not None, 10, "the vote is open")
+    found = number()
+    assert found is not None
+    return found
+
+
 def feel(crowd: Crowd, seconds: float) -> tuple[Felt, dict[str, tuple[float, float]]]:
     """And what each of the master's processes cost: cores and MiB."""
     with loaded_master(ROBOTS, 0, fill) as loaded, contextlib.ExitStack() as stack:
@@ -283,7 +308,7 @@ def feel(crowd: Crowd, seconds: float) -> tuple[Felt, dict[str, tuple[float, flo
         (child,) = psutil.Process(loaded.master.pids["server.main"]).children()
         more = {"pages": child.pid, "crowd": strangers.pid}
         if crowd.is_audience:
-            strangers.call("watch", crowd.addresses)
+            strangers.call("watch", crowd.addresses, open_vote(loaded.master.web))
         else:
             strangers.call("come", crowd.addresses, crowd.connections)
         time.sleep(SETTLE)
