@@ -100,15 +100,21 @@ def test_avrdude_writes_another_program_through_the_boot_loader(tmp_path: Path, 
         port = f"net:{robot.uart}" if tcp else robot.uart
         write = f"flash:w:{FIRMWARE.with_suffix('.hex')}:i"
         avrdude = ["avrdude", "-p", "atmega328p", "-c", "arduino", "-P", port, "-b", "115200", "-D", "-U", write]
-        result = subprocess.run(avrdude, capture_output=True, text=True, timeout=60, check=False)
-        assert result.returncode == 0, result.stderr
-        assert "bytes of flash verified" in result.stderr
+        tries = []
+
+        def writes() -> bool:
+            """An opening resets the board, whose boot loader waits for a second: a busy machine may be later."""
+            tries.append(subprocess.run(avrdude, capture_output=True, text=True, timeout=60, check=False))
+            return tries[-1].returncode == 0
+
+        until(writes, 60, "avrdude writes the program")
+        assert "bytes of flash verified" in tries[-1].stderr
 
         with contextlib.closing(connect(robot) if tcp else SerialHost(robot.uart)) as host:
             start(robot, host)
             host.send(command(1, 0))
             until(lambda: robot.position("left") == -320, 5, "the robot drives")
-        assert len(robot.cycles_of("beam", "1")) == 1
+        assert len(robot.cycles_of("beam", "1")) == len(tries), "the first program runs no more"
 
 
 def test_an_opening_resets_the_board_and_the_loader_starts_the_program_again(tmp_path: Path) -> None:
