@@ -106,7 +106,9 @@ def deadlines(state: State, rules: Rules) -> Iterator[tuple[float, events.Left |
         yield waiting.seen + rules.seat_timeout, events.Left(waiting.name, "left the page")
         if waiting.offer is not None:
             missed = events.OfferMissed(waiting.name)
-            yield waiting.offer_ends, events.Left(waiting.name, missed.how) if waiting.missed else missed
+            # a match waits for its players until it is decided
+            is_out = waiting.missed and state.kept_robot(waiting.name) is None
+            yield waiting.offer_ends, events.Left(waiting.name, missed.how) if is_out else missed
 
 
 def seat_ends(state: State, rules: Rules) -> dict[str, float]:

@@ -106,6 +106,20 @@ def test_whoever_is_called_gets_a_robot_before_those_who_wait(new_match):
     assert of_match(match, 1)["winner"] == "dee"
 
 
+def test_whoever_is_called_and_waits_is_offered_the_robot_as_long_as_the_operator_waits(new_match):
+    match = new_match(robots=2)
+    match.sign_up("eve", "fay")
+    queue_up(match, "ada", "dee")
+    open_one(match, patience=0)
+    call(match)
+    for _ in range(200):
+        match.wait(0.4)
+        for waiter in match.state.queue:
+            match.referee.seen(waiter.session, match.now)
+    offered = {waiter.name for waiter in match.state.queue if waiter.offer is not None}
+    assert offered == {"ada", "dee"}, "after several offers that nobody took"
+
+
 def test_a_robot_is_kept_for_somebody_who_has_not_signed_up_yet(new_match):
     match = new_match(robots=2)
     match.sign_up("ada")
