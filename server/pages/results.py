@@ -110,7 +110,7 @@ def _add_battles(pages: Blueprint, results: Results) -> None:
     def battles_csv() -> Response:
         head = "id,number,began,seconds,counts,cause,place,name,robot,life,left,hits_taken,hits_given,played"
         head += ",team,shots,kills,accuracy"
-        return _csv("laserbot-results.csv", head, _battle_rows(_page(results).battles))
+        return csv_file("laserbot-results.csv", head, _battle_rows(_page(results).battles))
 
     @pages.get("/results/<battle>")
     def battle(battle: str) -> str:
@@ -151,7 +151,7 @@ def _add_leaderboard(pages: Blueprint, results: Results) -> None:
     def leaderboard_csv() -> Response:
         board = _leaderboard(results)
         head = "place,name,battles,wins,hits_taken,hits_given,seconds,shots,kills,accuracy"
-        return _csv(
+        return csv_file(
             f"laserbot-leaderboard-{board.day}.csv", head, (_standing_fields(one).values() for one in board.standings)
         )
 
@@ -285,7 +285,7 @@ def _json(**content: Any) -> Response:
     )
 
 
-def _csv(file: str, head: str, rows: Iterable[Iterable[object]]) -> Response:
+def csv_file(file: str, head: str, rows: Iterable[Iterable[object]]) -> Response:
     """UTF-8 with the mark by which spreadsheets know it."""
     text = io.StringIO()
     writer = csv.writer(text)

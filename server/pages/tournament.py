@@ -1,16 +1,14 @@
 """The tournament, for everybody: a page, JSON and CSV (docs/results.md)."""
 
-import csv
-import io
 from typing import Any
 
-from flask import Blueprint, Response, jsonify, make_response, render_template
+from flask import Blueprint, Response, jsonify, render_template
 
-from server.store.csv_safety import harmless
+from server.pages.results import csv_file
 from server.store.results import Results
 from server.web.words import t
 
-_COLUMNS = ("match", "group", "round", "third_place", "player_1", "player_2", "wins_1", "wins_2", "winner", "how")
+_COLUMNS = "match,group,round,third_place,player_1,player_2,wins_1,wins_2,winner,how"
 
 
 def add_tournament(pages: Blueprint, results: Results, arena: str) -> None:
@@ -29,22 +27,12 @@ def add_tournament(pages: Blueprint, results: Results, arena: str) -> None:
     @pages.get("/tournament.csv")
     def tournament_csv() -> Response:
         found = results.tournament(arena)
-        text = io.StringIO()
-        writer = csv.writer(text)
-        writer.writerow(_COLUMNS)
-        for match in found["matches"] if found else ():
-            cells = (match["number"], match["group"], match["round"], int(match["third"]))
-            writer.writerow(
-                [*cells, *map(harmless, match["players"]), *match["wins"], harmless(match["winner"]), match["how"]]
-            )
-        return make_response(
-            text.getvalue().encode("utf-8-sig"),
-            200,
-            {
-                "Content-Type": "text/csv; charset=utf-8",
-                "Content-Disposition": 'attachment; filename="laserbot-tournament.csv"',
-            },
-        )
+        rows = [
+            [*(match[field] for field in ("number", "group", "round", "third")),
+             *match["players"], *match["wins"], match["winner"], match["how"]]
+            for match in (found["matches"] if found else ())
+        ]  # fmt: skip
+        return csv_file("laserbot-tournament.csv", _COLUMNS, rows)
 
 
 def stage(match: dict[str, Any]) -> str:
