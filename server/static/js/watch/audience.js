@@ -57,13 +57,13 @@ export class Audience {
       choices.replaceChildren(...vote.choices.map((choice, index) => element("li", {}, this.#button(choice, index))));
     }
     const isOpen = vote.seconds_left > 0;
-    setText(byId("vote-title"), t(isOpen ? "audience.vote" : "audience.vote_over"));
+    setText(byId("vote-title").firstElementChild, t(isOpen ? "audience.vote" : "audience.vote_over"));
     setText(byId("vote-text"), isOpen ? t("audience.vote_text", { n: Math.ceil(vote.seconds_left) }) : "");
     const all = vote.choices.reduce((sum, { votes }) => sum + votes, 0);
     const ahead = isOpen ? [] : leading(vote);
     [...choices.children].forEach(({ firstElementChild: button }, index) => {
       const { votes } = vote.choices[index];
-      button.disabled = !isOpen;
+      button.setAttribute("aria-disabled", !isOpen); // and not `disabled`: that would take the focus away
       button.setAttribute("aria-pressed", index === this.#choice);
       button.classList.toggle("is-ahead", ahead.includes(vote.choices[index]));
       button.style.setProperty("--share", all > 0 ? votes / all : 0);
