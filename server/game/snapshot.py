@@ -16,6 +16,7 @@ class Player:
     ready: bool
     avatar: int
     session: str
+    may_join: bool = False  # the battle of others that runs
     team: int = 0  # in a battle, or chosen for the next one; 0: everybody fights alone, or it will be dealt
     handicap: int = 0  # percent of damage that hits do not take, in a battle or in the next one
     # in the running or the last battle
@@ -87,7 +88,6 @@ class Snapshot:
     queue: tuple[Waiter, ...]  # the next one first
     practice: bool  # whether players may drive without a battle
     practice_beside: bool  # likewise, beside a battle of others
-    late_join: bool  # whether players may still join the battle that runs
     result: tuple[Placing, ...]  # of the last battle, best first; empty from the next countdown on
     teams: int  # of the running battle, or of the next one; 0: everybody fights alone
     coded: bool  # the light tells who has shot
@@ -95,6 +95,11 @@ class Snapshot:
     damage: int  # life that a shot is to take
     happened: tuple[Happening, ...]  # in the running or the last battle, the newest last
     tournament: int  # grows with each change of the one that is open; 0: none is
+
+    @property
+    def is_open(self) -> bool:
+        """Whether somebody may still join the battle that runs."""
+        return any(player.may_join for player in self.players)
 
     @property
     def available_robots(self) -> int:

@@ -33,7 +33,7 @@ class State:
     paused_at: float | None = None  # None: it is not
     battle: int = 0
     protected_until: float = 0.0  # in it nobody can be hit before; while it is paused, as if it went on at once
-    began_at: float = 0.0  # the running or the last battle
+    began_at: float = 0.0  # the running or the last battle, later by its pauses
     lengths: tuple[float, ...] = ()  # s of the last battles, at most `MEASURED`
     notice: Notice = ""
     queue: list[Waiting] = field(default_factory=list)  # for a robot, the next one first
@@ -79,10 +79,14 @@ class State:
         """Whether that player may be in the next battle."""
         return not self.is_match or self.kept_robot(name) is not None
 
+    def terms(self, rules: Rules) -> tuple[int, int]:
+        """Of the next battle: the number of teams, and the handicap in percent. In a match there is neither."""
+        return (0, 0) if self.is_match else (rules.teams, rules.handicap)
+
     def next_battle(self, rules: Rules, by: str = "") -> events.BattleStarted:
         """The start of a battle of all who are ready."""
         ready = self.users.get_users_ready()
-        teams, spared = (0, 0) if self.is_match else (rules.teams, rules.handicap)
+        teams, spared = self.terms(rules)
         dealt = zip(ready, deal(ready, teams), strict=True)
         fighters = tuple(
             events.Fighter(user.name, user.robot, user.avatar, team, handicap(user.name, self.losing, spared))

@@ -10,6 +10,7 @@ from server.game.users import User, Waiting
 
 
 def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
+    teams, _ = state.terms(rules)
     return Snapshot(
         game=state.game,
         time_left=state.time_left(now),
@@ -24,9 +25,8 @@ def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
         queue=tuple(_waiter(waiting, place, state, rules, now) for place, waiting in enumerate(state.queue, 1)),
         practice=rules.practice,
         practice_beside=rules.practice_beside,
-        late_join=state.is_open(rules),
         result=state.result,
-        teams=state.teams if state.game is Game.PLAYING else rules.teams,
+        teams=state.teams if state.game is Game.PLAYING else teams,
         coded=rules.is_coded,
         hide_cameras=rules.hide_cameras,
         damage=rules.hit_damage,
@@ -44,7 +44,8 @@ def person(known: User | Waiting, state: State, rules: Rules, now: float) -> Pla
 def player(user: User, state: State, rules: Rules, now: float) -> Player:
     ends = seats.seat_ends(state, rules).get(user.name)
     seat_left = 0.0 if ends is None else max(0.1, ends - now)
-    wish = user.wish if user.wish <= rules.teams else 0
+    teams, spared = state.terms(rules)
+    wish = user.wish if user.wish <= teams else 0
     is_playing = state.game is Game.PLAYING
     return Player(
         name=user.name,
@@ -53,8 +54,9 @@ def player(user: User, state: State, rules: Rules, now: float) -> Player:
         ready=user.ready,
         avatar=user.avatar,
         session=user.session,
+        may_join=state.may_join(user, rules),
         team=user.team if is_playing else wish,
-        handicap=user.handicap if is_playing else handicap(user.name, state.losing, rules.handicap),
+        handicap=user.handicap if is_playing else handicap(user.name, state.losing, spared),
         hits=user.hits,
         kills=user.kills,
         shots=user.shots,

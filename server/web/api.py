@@ -136,7 +136,7 @@ def _add_battle(api: Blueprint, game: GameLoop) -> None:
     def player_ready() -> Response:
         name, ready = _field("user"), _FLAG.get(_field("ready"))
         snapshot = game.snapshot()
-        if snapshot.game is Game.PLAYING and not snapshot.late_join:
+        if snapshot.game is Game.PLAYING and not snapshot.is_open:
             return reply(status="STARTED")
         if ready is None:
             _refuse(400, "ready must be 0 or 1", user=name)

@@ -125,11 +125,13 @@ test("there is no ready button for the ready in the countdown, and for all in th
 });
 
 test("who is not in the battle may still join it where the server says so", () => {
-  const late = (me) => status({ game: 2, late_join: true, users: [player("Ann", me), player("Bob", ready)] });
-  assert.deepEqual(state.readyButton(late({}), "Ann"), { ready: false, text: "Join in", hidden: false });
+  const late = (me) => status({ game: 2, users: [player("Ann", me), player("Bob", ready), player("Cy", { may_join: true })] });
+  assert.deepEqual(state.readyButton(late({ may_join: true }), "Ann"), { ready: false, text: "Join in", hidden: false });
   assert.equal(state.readyButton(late(ready), "Ann").hidden, true);
   assert.equal(state.readyButton(late({ ready: true, life: 0 }), "Ann").hidden, true);
-  assert.match(state.gameText(late({}), "Ann").hint, /^You can still join/);
+  assert.match(state.gameText(late({ may_join: true }), "Ann").hint, /^You can still join/);
+  assert.equal(state.readyButton(late({}), "Ann").hidden, true, "another may, this one not");
+  assert.equal(state.gameText(late({}), "Ann").hint, "You can join the next one.");
 });
 
 test("signs tell ready, out and not ready", () => {

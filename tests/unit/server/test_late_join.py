@@ -32,7 +32,7 @@ def test_without_the_rule_the_battle_is_closed(new_match):
     match = new_match()
     match.start("ada", "bob")
     match.sign_up("cy")
-    assert not match.state.late_join
+    assert not match.player("cy").may_join
     assert join(match, "cy") is Verdict.STARTED
 
 
@@ -55,10 +55,11 @@ def test_whoever_has_joined_fights_until_the_end(running):
 
 
 def test_it_is_told_whether_one_may_join(running):
-    assert public_status(running.state)["late_join"]
-    assert to_message(running.state).late_join
+    told = {one["name"]: one["may_join"] for one in public_status(running.state)["users"]}
+    assert told == {"ada": False, "bob": False, "cy": True}
+    assert {one.name for one in to_message(running.state).users if one.may_join} == {"cy"}
     running.sign_out("bob")
-    assert not running.state.late_join, "no battle runs"
+    assert not running.player("cy").may_join, "no battle runs"
 
 
 def test_who_is_out_does_not_come_back(running):
@@ -79,12 +80,14 @@ def test_who_has_left_comes_back_neither_by_name_nor_with_the_same_robot(running
     else:
         running.sign_up("eve")
         assert running.player("eve").robot == 1, "bob's"
+    assert not running.player(name).may_join
     assert join(running, name) is Verdict.STARTED
 
 
 def test_whose_robot_is_away_does_not_join(running):
     running.wait(4, dead_robots=(2,))
     assert running.player("cy").robot == 2
+    assert not running.player("cy").may_join
     assert join(running, "cy") is Verdict.STARTED
 
 
@@ -97,7 +100,7 @@ def test_only_the_own_session_joins_and_nobody_leaves_by_it(running):
 
 def test_nobody_joins_in_a_pause(running):
     running.referee.operate(partial(desk.pause, by="Ann"), running.now)
-    assert not running.state.late_join
+    assert not running.player("cy").may_join
     assert join(running, "cy") is Verdict.STARTED
 
 
@@ -105,7 +108,7 @@ def test_nobody_joins_a_battle_of_teams(new_match):
     match = new_match(rules=Rules(late_join=True, teams=2))
     match.start("ada", "bob")
     match.sign_up("cy")
-    assert not match.state.late_join
+    assert not match.player("cy").may_join
     assert join(match, "cy") is Verdict.STARTED
 
 

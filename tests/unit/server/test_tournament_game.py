@@ -138,11 +138,13 @@ def test_a_match_has_neither_latecomers_nor_teams(new_match):
     match = new_match(rules=Rules(late_join=True, teams=2))
     match.sign_up(*FOUR)
     open_one(match)
+    assert match.state.teams == 2
     call(match)
+    assert match.state.teams == 0, "nobody is promised any"
     match.ready("ada", "dee")
     match.wait(15)
     assert match.state.game == 2
-    assert not match.state.late_join
+    assert not match.player("cy").may_join
     assert set_ready(match, "cy") is Verdict.STARTED
     assert {player.team for player in match.state.players} == {0}
 

@@ -6,6 +6,7 @@
  * @property {number} robot ID
  * @property {number} life 0 to 100
  * @property {boolean} ready
+ * @property {boolean} may_join the battle of others that runs
  * @property {number} avatar 0 to 4
  * @property {number} place in a result: 1 is the winner, ties share a place
  * @property {number} seat_left s until the robot passes on to others unless the player gets ready; 0: it stays
@@ -37,7 +38,6 @@
  * @property {number} battle number of the battle, or UNKNOWN_BATTLE
  * @property {boolean} practice whether players may drive while it is stopped
  * @property {boolean} practiceBeside whether who is not in the battle may drive while it runs, without shooting
- * @property {boolean} lateJoin whether players may still join the battle that runs
  * @property {number} queue how many people wait for a robot
  * @property {string} notice why the last countdown or battle ended
  * @property {Player[]} users best first
@@ -51,7 +51,7 @@
 /** The battle's number when only /updateGameStatus has been heard. */
 export const UNKNOWN_BATTLE = -1;
 
-const UNTOLD = { team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, wins: 0, weak: false }; // by a server that knows neither teams nor shooters
+const UNTOLD = { may_join: false, team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, wins: 0, weak: false }; // by a server that knows neither teams nor shooters
 
 /** @returns {Status} from a laser_bot_battle/GameStatus of /game_status */
 export function fromTopic(message) {
@@ -65,7 +65,6 @@ export function fromTopic(message) {
     notice: message.notice,
     practice: message.practice,
     practiceBeside: message.practice_beside ?? false,
-    lateJoin: message.late_join ?? false,
     queue: message.queue.length,
     users: message.users.map((user) => ({ ...UNTOLD, ...user })),
     result: message.result.map((entry) => ({ ...UNTOLD, ...entry })),
@@ -94,7 +93,6 @@ export function fromReply(reply, previous) {
     notice: previous?.notice ?? "",
     practice: previous?.practice ?? false,
     practiceBeside: previous?.practiceBeside ?? false,
-    lateJoin: previous?.lateJoin ?? false,
     queue: previous?.queue ?? 0,
     users: JSON.parse(reply.users).map((user) => ({
       ...UNTOLD,

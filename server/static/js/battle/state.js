@@ -77,14 +77,14 @@ export function gameText(status, name, refusal = "") {
     case "out":
       return { text: t("game.out"), hint: t("game.out_hint") };
     case "watching":
-      return { text: t("game.watching"), hint: t(watchingHint(status)) };
+      return { text: t("game.watching"), hint: t(watchingHint(status, findUser(status, name))) };
     default:
       return { text: t("game.looking"), hint: "" };
   }
 }
 
-function watchingHint({ lateJoin, practiceBeside }) {
-  if (lateJoin) return "game.late_join_hint";
+function watchingHint({ practiceBeside }, { may_join }) {
+  if (may_join) return "game.late_join_hint";
   return practiceBeside ? "game.practice_beside" : "game.watching_hint";
 }
 
@@ -116,8 +116,9 @@ export function clockText(seconds) {
  * battle, it is for those who may still join.
  */
 export function readyButton(status, name) {
-  const ready = findUser(status, name)?.ready ?? false;
-  const joins = status.game === PLAYING && status.lateJoin && !ready;
+  const me = findUser(status, name);
+  const ready = me?.ready ?? false;
+  const joins = status.game === PLAYING && (me?.may_join ?? false);
   const useless = (status.game === PLAYING && !joins) || (status.game === COUNTDOWN && ready);
   const key = joins ? "game.join" : ready ? "game.is_ready" : "game.ready";
   return { ready, text: t(key), hidden: useless };
