@@ -1,5 +1,6 @@
 """What each event changes in the state of the game: one function an event."""
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import singledispatch
 
@@ -220,6 +221,7 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
 
 @_change.register
 def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
+    _leave_out_pause(state, state.users, at)
     state.game, state.notice, state.paused_at = Game.STOPPED, f"Battle over: {event.cause}.", None
     if event.counts:
         state.lengths = (*state.lengths, at - state.began_at)[-MEASURED:]
@@ -270,6 +272,9 @@ def _paused(_event: events.Paused, state: State, at: float) -> None:
 
 @_change.register
 def _resumed(_event: events.Resumed, state: State, at: float) -> None:
+    _leave_out_pause(state, state.users, at)
+    if state.paused_at is not None:
+        state.began_at += at - state.paused_at
     state.ends_at, state.protected_until = at + state.time_left(at), at + state.protection_left(at)
     state.paused_at = None
 
@@ -352,10 +357,18 @@ def _remove_user(state: State, user: User, at: float) -> None:
 def _leave_battle(state: State, user: User, at: float) -> None:
     """Whoever is in a running battle is a quitter of it."""
     if state.game is Game.PLAYING and user.ready:
+        _leave_out_pause(state, [user], at)
         state.leavers.append(replace(user, left_at=at))
     user.ready, user.idle_since = False, at
     if state.game is Game.PLAYING:
         _put_in_order(state)
+
+
+def _leave_out_pause(state: State, users: Iterable[User], at: float) -> None:
+    """The pause that ends for these users, if there is one, is no time in which they have fought."""
+    for user in users:
+        if state.paused_at is not None and user.is_fighting:
+            user.fights_since += at - state.paused_at
 
 
 def _put_in_order(state: State) -> None:

@@ -14,7 +14,7 @@ from server.game.people import BY_OPERATOR
 from server.game.presets import of_now
 from server.game.rules import DECLARED, Rules, checked
 from server.game.state import State
-from server.game.users import is_same_name, is_valid_name
+from server.game.users import User, is_same_name, is_valid_name
 
 EARLIER = "an earlier program"  # what was decided in it
 MAX_ADDED = 3600  # s at once
@@ -34,17 +34,36 @@ class UnknownError(RefusedError):
     """There is no such player, robot or name."""
 
 
+_NO_START = {
+    "runs": "a battle is running already",
+    "too_few": "a battle takes two players with robots",
+    "match": "the match takes both of its players with their robots",
+}
+
+
 def start(state: State, rules: Rules, by: str) -> list[Event]:
     """The battle begins at once: with who is ready in a countdown, else with everybody who has a robot that is here."""
-    if state.game is Game.PLAYING:
-        raise RefusedError("a battle is running already")
+    why = why_no_start(state)
+    if why:
+        raise RefusedError(_NO_START[why])
     if state.game is Game.COUNTDOWN:
         return [state.next_battle(rules, by)]
-    here = [user for user in state.users if user.robot_gone_at is None and state.may_fight(user.name)]
-    if len(here) < 2:
-        raise RefusedError("a battle takes two players with robots")
-    ready = [events.ReadyChanged(user.name, True) for user in here if not user.ready]
+    ready = [events.ReadyChanged(user.name, True) for user in _fighters(state) if not user.ready]
     return [*ready, events.CountdownStarted(0, by)]  # the battle follows as it does every countdown
+
+
+def why_no_start(state: State) -> str:
+    """Why no battle can be started now, one of `_NO_START`; empty if one can."""
+    if state.game is Game.PLAYING:
+        return "runs"
+    if state.game is Game.COUNTDOWN or len(_fighters(state)) >= 2:
+        return ""
+    return "match" if state.is_match else "too_few"
+
+
+def _fighters(state: State) -> list[User]:
+    """Who can be in the next battle."""
+    return [user for user in state.users if user.robot_gone_at is None and state.may_fight(user.name)]
 
 
 def abort(state: State, _rules: Rules, by: str) -> list[Event]:

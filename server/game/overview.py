@@ -3,6 +3,7 @@
 from typing import Any
 
 from laser_bot_battle.names import robot_name
+from server.game.desk import why_no_start
 from server.game.presets import BUILT_IN
 from server.game.rules import DECLARED, Rules
 from server.game.snapshot import Snapshot
@@ -16,6 +17,7 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
         "game": {
             "state": state.game.name.lower(),
             "paused": snapshot.paused,
+            "why_no_start": why_no_start(state),
             "time_left": snapshot.time_left,
             "battle": snapshot.battle,
             "notice": snapshot.notice,

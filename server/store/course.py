@@ -7,7 +7,7 @@ from typing import Any
 from server.game.users import FULL_LIFE
 
 # the events that matter here, by server.game.events
-KINDS = ("BattleStarted", "Joined", "Hit", "Left", "Unseated", "RobotGone")
+KINDS = ("BattleStarted", "Joined", "Hit", "Left", "Unseated", "RobotGone", "Paused", "Resumed", "BattleEnded")
 
 
 @dataclass(slots=True)
@@ -24,6 +24,7 @@ class Course:
     shooters: list[str] = field(default_factory=list)  # of each hit taken, "" if the light does not tell
     given: int | None = 0  # hits, of others than the own team; None: of some hits of the battle nobody knows whose
     kills: int | None = 0  # likewise
+    paused: float = 0.0  # s of pauses, until the fighter was out
 
     @property
     def joined(self) -> float:
@@ -40,6 +41,10 @@ class Course:
         """Taken."""
         return len(self.lives) - 1
 
+    def fought(self, lasted: float) -> float:
+        """Seconds in a battle that has lasted so long; pauses do not count."""
+        return (lasted if self.out is None else min(self.out, lasted)) - self.joined - self.paused
+
     def hit(self, at: float, life: int, by: str = "") -> None:
         self.lives.append((at, life))
         self.shooters.append(by)
@@ -52,7 +57,13 @@ class Course:
             self.given += 1
             self.kills += is_kill
 
-    def leave(self, at: float) -> None:
+    def leave_out(self, paused_at: float | None, at: float) -> None:
+        """A pause, if there is one, that ends for this fighter."""
+        if paused_at is not None and self.out is None:
+            self.paused += at - paused_at
+
+    def leave(self, at: float, paused_at: float | None) -> None:
+        self.leave_out(paused_at, at)
         if self.left is None:
             self.left = at
         if self.out is None:
@@ -62,12 +73,12 @@ class Course:
 def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Course]:
     """The courses of one battle's fighters, from its events as they are kept: Unix time in s, kind, fields."""
     found: list[Course] = []
-    began = 0.0
+    began, paused_at = 0.0, None
     for at, kind, data in recorded:
         now = at - began
         match kind:
             case "BattleStarted":
-                began = at
+                began, paused_at = at, None
                 found = [
                     Course(one["name"], one["robot"], one["avatar"], team=one.get("team", 0))
                     for one in data["fighters"]
@@ -76,14 +87,16 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
                 found.append(Course(data["name"], data["robot"], data["avatar"], [(now, data["life"])]))
             case "Hit":
                 _hit(found, data, now)
-            case "Left" | "Unseated":
+            case "Left" | "Unseated" | "RobotGone":
                 for course in found:
-                    if course.name == data["name"]:
-                        course.leave(now)
-            case "RobotGone":
+                    if course.robot == data["robot"] if kind == "RobotGone" else course.name == data["name"]:
+                        course.leave(now, paused_at)
+            case "Paused":
+                paused_at = now
+            case "Resumed" | "BattleEnded":
                 for course in found:
-                    if course.robot == data["robot"]:
-                        course.leave(now)
+                    course.leave_out(paused_at, now)
+                paused_at = None
     return found
 
 

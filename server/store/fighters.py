@@ -40,6 +40,6 @@ def keep_fighters(connection: Connection, battle: int) -> None:
                 shots=placing.get("shots"),
                 given=course.given,
                 kills=course.kills,
-                seconds=(lasted if course.out is None else min(course.out, lasted)) - course.joined,
+                seconds=course.fought(lasted),
             )
         )

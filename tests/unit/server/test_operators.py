@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from server.game import desk
+from server.game import desk, events, tournament_desk
 from server.game.events import BattleEnded, Recorded, kind_of, to_json
 from server.game.referee import Referee, Verdict
 from server.game.replay import replay
@@ -154,6 +154,54 @@ def test_with_fewer_than_two_robots_nothing_starts(match):
     with pytest.raises(desk.RefusedError, match="two players with robots"):
         operate(match, desk.start)
     assert match.state == before
+
+
+def test_why_nothing_can_be_started_is_told_before_anybody_tries(match):
+    def why() -> str:
+        return match.referee.overview(match.now)["game"]["why_no_start"]
+
+    match.sign_up("ada")
+    assert why() == "too_few"
+    match.sign_up("bob", "cy")
+    assert why() == ""
+    operate(match, tournament_desk.open_one, names=["cy", "dee", "eve", "fay"])
+    operate(match, tournament_desk.call, number=None)
+    assert why() == "match", "two who have robots are not in it"
+    with pytest.raises(desk.RefusedError, match="both of its players"):
+        operate(match, desk.start)
+
+
+def test_a_countdown_that_is_paused_can_be_cut_short(match):
+    match.sign_up("ada", "bob")
+    match.ready("ada", "bob")
+    operate(match, desk.pause)
+    assert match.referee.overview(match.now)["game"]["why_no_start"] == ""
+    operate(match, desk.start)
+    assert (match.state.game, match.state.paused) == (2, False)
+    assert match.referee.overview(match.now)["game"]["why_no_start"] == "runs"
+
+
+@pytest.mark.parametrize("leaves", [False, True], ids=["stays", "leaves in the pause"])
+def test_a_pause_is_no_time_in_which_anybody_has_fought(match, leaves):
+    match.start("ada", "bob", "cy", "dee")
+    match.hit("dee", 10)
+    match.wait(3)
+    operate(match, desk.pause)
+    match.wait(20)
+    if leaves:
+        match.sign_out("cy")
+    match.wait(20)
+    operate(match, desk.resume)
+    match.wait(4)
+    match.hit("bob", 10)
+    if not leaves:
+        match.hit("cy", 10)
+    journal = match.referee.take_journal()
+    began = next(one.at for one in journal if isinstance(one.event, events.BattleStarted))
+    by_name = {one.name: one for one in courses((one.at, kind_of(one.event), to_json(one.event)) for one in journal)}
+    for name, seconds in {"dee": 1, "cy": 4 if leaves else 10, "bob": 9, "ada": 9 if leaves else 10}.items():
+        assert match.placing(name).seconds == pytest.approx(seconds, abs=0.5)
+        assert by_name[name].fought(journal[-1].at - began) == pytest.approx(seconds, abs=0.5)
 
 
 # rules
