@@ -7,6 +7,7 @@ from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 from xdist.remote import Producer
 
 from tests.support.costs import Costs
@@ -24,6 +25,10 @@ signal.signal(signal.SIGTERM, signal.default_int_handler)
 os.environ["LASERBOT_LED"] = "none"
 
 adopt_orphans()
+
+# Neither chance nor a machine that is busy for a moment may decide whether a property holds.
+settings.register_profile("checks", derandomize=True, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+settings.load_profile("checks")
 
 
 def pytest_configure(config: pytest.Config) -> None:

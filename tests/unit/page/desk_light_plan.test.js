@@ -44,9 +44,16 @@ test("the table tells what is known so far, and in the end who needs a hand", ()
   assert.equal(checkResult(plan), "All robots flash and see.");
 });
 
+test("a light check would count the shots of players who practise", () => {
+  const robots = [{ linked: true, player: null }, { linked: true, player: "Ann" }, { linked: false, player: "Bob" }];
+  assert.match(whyNoCheck({ state: "stopped" }, robots, true), /^Players could shoot/);
+  assert.equal(whyNoCheck({ state: "stopped" }, robots, false), "");
+  assert.equal(whyNoCheck({ state: "stopped" }, [robots[0], robots[0], robots[2]], true), "");
+});
+
 test("a light check takes two robots and no battle", () => {
-  const robots = [{ linked: true }, { linked: false }, { linked: true }];
-  assert.equal(whyNoCheck({ state: "stopped" }, robots), "");
-  assert.match(whyNoCheck({ state: "stopped" }, robots.slice(0, 2)), /there are 1/);
-  for (const state of ["countdown", "playing"]) assert.match(whyNoCheck({ state }, robots), /Only while/);
+  const robots = [true, false, true].map((linked) => ({ linked, player: null }));
+  assert.equal(whyNoCheck({ state: "stopped" }, robots, true), "");
+  assert.match(whyNoCheck({ state: "stopped" }, robots.slice(0, 2), true), /there are 1/);
+  for (const state of ["countdown", "playing"]) assert.match(whyNoCheck({ state }, robots, true), /Only while/);
 });

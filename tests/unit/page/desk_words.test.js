@@ -5,7 +5,7 @@ import * as words from "../../../server/static/js/desk/words.js";
 
 afterEach(() => speak("en"));
 
-const game = (values) => ({ state: "stopped", paused: false, time_left: 0, battle: 3, notice: "", message: "", ...values });
+const game = (values) => ({ state: "stopped", paused: false, time_left: 0, battle: 3, notice: "", message: "", why_no_start: "", ...values });
 
 test("the battle is told in words, with its clock while one runs", () => {
   const told = (values) => words.battleText(game(values));
@@ -18,21 +18,21 @@ test("the battle is told in words, with its clock while one runs", () => {
 });
 
 test("only what makes sense now may be pressed, and the rest says why not", () => {
-  const buttons = (values, robots = []) => Object.values(words.battleButtons(game(values), robots));
-  const enabled = (...given) => buttons(...given).filter(({ why }) => why === "").map(({ action }) => action);
-  const [ann, bob, free] = [{ player: "Ann" }, { player: "Bob" }, { player: null }];
-  assert.deepEqual(enabled({}, [ann, free]), []);
-  assert.deepEqual(enabled({}, [ann, free, bob]), ["start"]);
-  const reasons = (values, robots) => buttons(values, robots).map(({ why }) => why);
-  assert.deepEqual(reasons({}, [ann]).slice(0, 2), [
-    "Neither a countdown nor a battle is running.", "It takes two players with robots; there are 1.",
+  const buttons = (values) => Object.values(words.battleButtons(game(values)));
+  const enabled = (values) => buttons(values).filter(({ why }) => why === "").map(({ action }) => action);
+  assert.deepEqual(enabled({ why_no_start: "too_few" }), []);
+  assert.deepEqual(enabled({}), ["start"]);
+  const reasons = (values) => buttons(values).map(({ why }) => why);
+  assert.deepEqual(reasons({ why_no_start: "too_few" }).slice(0, 2), [
+    "Neither a countdown nor a battle is running.", "It takes two players with robots.",
   ]);
-  assert.equal(reasons({ state: "playing" })[1], "A battle is running already.");
-  assert.equal(reasons({ state: "countdown", paused: true })[1], "It is paused.");
+  assert.match(reasons({ why_no_start: "match" })[1], /^This match needs both/);
+  const playing = { state: "playing", why_no_start: "runs" };
+  assert.equal(reasons(playing)[1], "A battle is running already.");
   assert.deepEqual(enabled({ state: "countdown" }), ["pause", "start", "add_time", "abort"]);
-  assert.deepEqual(enabled({ state: "countdown", paused: true }), ["resume", "add_time", "abort"]);
-  assert.deepEqual(enabled({ state: "playing" }), ["pause", "add_time", "abort"]);
-  assert.deepEqual(enabled({ state: "playing", paused: true }), ["resume", "add_time", "abort"]);
+  assert.deepEqual(enabled({ state: "countdown", paused: true }), ["resume", "start", "add_time", "abort"]);
+  assert.deepEqual(enabled(playing), ["pause", "add_time", "abort"]);
+  assert.deepEqual(enabled({ ...playing, paused: true }), ["resume", "add_time", "abort"]);
 });
 
 test("a robot that is silent, or without its serial link, stands out", () => {

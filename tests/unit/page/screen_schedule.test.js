@@ -42,6 +42,7 @@ test("a battle's end is celebrated, then leaderboard and invitation take turns",
   take(OVER, 1000);
   take(OVER, 1500);
   assert.equal(schedule.panel(1000, true), "podium");
+  assert.notEqual(schedule.panel(1000, true, true), "podium", "whoever is asked to vote sees the vote");
   assert.equal(schedule.panel(1000 + PODIUM - 1, true), "podium");
   const idle = 1000 + PODIUM;
   const shown = [0, TURN - 1, TURN, 2 * TURN - 1, 2 * TURN].map((ms) => schedule.panel(idle + ms, true));

@@ -24,6 +24,12 @@ test("a player learns against whom, when, and with which robot", () => {
   assert.match(ownText(called, "eve"), /Match 1 of the tournament: ada against dee/);
 });
 
+test("a name is the same however it is written, as for the server", () => {
+  const called = tournament(match(1, ["Strauß", "Ｄee"], { called: true, robots: [2, 5], seconds: 0 }));
+  assert.match(ownText(called, "STRAUSS"), /with robot 2/);
+  assert.match(ownText(called, "dee"), /with robot 5/);
+});
+
 test("a player whose opponent is not known yet learns where that one comes from", () => {
   assert.equal(ownText(tournament(final), "ada"), "Match 3: you play in about 9 minutes, against the winner of match 2.");
 });

@@ -381,6 +381,4 @@ class Evening(RuleBasedStateMachine):
 
 
 TestEvening = Evening.TestCase
-TestEvening.settings = settings(
-    max_examples=100, stateful_step_count=50, deadline=None, suppress_health_check=list(HealthCheck), derandomize=True
-)
+TestEvening.settings = settings(max_examples=100, stateful_step_count=50, suppress_health_check=list(HealthCheck))

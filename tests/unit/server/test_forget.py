@@ -164,7 +164,7 @@ def test_every_kind_of_event_is_among_those_that_are_tried():
 
 
 @given(pair=PAIRS)
-@settings(deadline=None, max_examples=60)
+@settings(max_examples=60)
 def test_a_forgotten_player_has_another_name_and_nothing_else_has_changed(pair: tuple[str, str]):
     name, word = pair
     with kept(name, word) as connection, kept("player 1", word) as expected:
@@ -173,7 +173,6 @@ def test_a_forgotten_player_has_another_name_and_nothing_else_has_changed(pair: 
 
 
 @given(pair=PAIRS)
-@settings(deadline=None)
 def test_what_a_running_server_writes_afterwards_is_renamed_likewise(pair: tuple[str, str]):
     name, word = pair
     names = {name: "player 1"}

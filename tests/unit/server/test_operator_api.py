@@ -638,7 +638,7 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
         "time", "game", "robots", "players", "queue", "rules", "presets", "names", "tournament", "database", "versions",
         "operator", "log", "has_journal",
     }  # fmt: skip
-    assert state["game"].keys() == {"state", "paused", "time_left", "battle", "notice", "message"}
+    assert state["game"].keys() == {"state", "paused", "why_no_start", "time_left", "battle", "notice", "message"}
     assert state["robots"][0].keys() >= {
         "id", "name", "player", "offered_to", "in_service", "ping_age", "linked", "health",
     }  # fmt: skip

@@ -61,9 +61,9 @@ function ownMatch(match, name) {
   return t("tournament.you_open", { n, when, source: sourceText(match.sources[1 - side]) });
 }
 
-/** As the server compares names. */
+/** As the server compares names: "ß" is "ss" there, which only capital letters tell here. */
 const isSame = (one, other) => folded(one) === folded(other);
-const folded = (name) => name.normalize("NFKC").toLowerCase().normalize("NFKC");
+const folded = (name) => name.normalize("NFKC").toUpperCase().toLowerCase().normalize("NFKC");
 
 /** The next matches for the hall, as one line each. */
 export const nextTexts = (tournament, most) => nextMatches(tournament, most).map(matchText);

@@ -29,10 +29,10 @@ export class LightCheck {
     });
   }
 
-  /** What the desk knows now. A countdown or battle ends the check: its light would count. */
-  show(game, robots) {
+  /** What the desk knows now. Nobody checks while players practise: their shots would be seen, too. A countdown or battle ends the check: its light would count. */
+  show(game, robots, practice) {
     this.#robots = robots.filter(({ linked }) => linked).map(({ id }) => id);
-    this.#why = whyNoCheck(game, robots);
+    this.#why = whyNoCheck(game, robots, practice);
     if (this.#socket && game.state !== "stopped") this.#end(t("desk.check_battle"));
     this.#showButton();
   }

@@ -53,9 +53,10 @@ export class LightPlan {
 }
 
 /** Why no light check can be made now; empty if one can. */
-export function whyNoCheck(game, robots) {
+export function whyNoCheck(game, robots, practice) {
   if (game.state !== "stopped") return t("desk.check_battle");
   const linked = robots.filter((robot) => robot.linked).length;
+  if (practice && robots.some((robot) => robot.linked && robot.player !== null)) return t("desk.check_practice");
   return linked >= 2 ? "" : t("desk.check_too_few", { n: linked });
 }
 

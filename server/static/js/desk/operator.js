@@ -69,7 +69,7 @@ const poll = new Poll({
     words.show(state.names.words);
     tournament.show(state);
     journal.show(state.has_journal);
-    lightCheck.show(state.game, state.robots);
+    lightCheck.show(state.game, state.robots, state.rules.practice.value);
     const driven = state.robots.find(({ id }) => id === drive.robot);
     if (!driven || driven.in_service) drive.stop();
   },

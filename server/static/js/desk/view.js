@@ -23,7 +23,7 @@ const WAITER = [["name", t("desk.name")], ["place", t("desk.place")], ["offer", 
  * @param {object} on what the rows' buttons do: service(id, inService), identify(id), look(id), drive(id), signOut(name), ban(name), unban(name)
  */
 export function showState(state, on) {
-  showBattle(state.game, state.robots);
+  showBattle(state.game);
   showRobots(state.robots, on);
   showPlayers(state.players, on);
   showQueue(state.queue, on);
@@ -33,7 +33,7 @@ export function showState(state, on) {
   showLog(state.log);
 }
 
-function showBattle(game, robots) {
+function showBattle(game) {
   const { title, clock, hint } = words.battleText(game);
   setText(byId("glance"), clock ? `${title} ${clock}` : title);
   setText(byId("battle-state"), title);
@@ -41,7 +41,7 @@ function showBattle(game, robots) {
   setText(byId("battle-hint"), hint);
   byId("battle").dataset.state = game.paused ? "paused" : game.state;
   byId("glance").dataset.state = byId("battle").dataset.state;
-  for (const [id, { action, text, why }] of Object.entries(words.battleButtons(game, robots))) {
+  for (const [id, { action, text, why }] of Object.entries(words.battleButtons(game))) {
     const button = byId(id);
     button.dataset.order = action;
     setText(button.querySelector("span"), text);

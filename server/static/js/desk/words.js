@@ -28,27 +28,21 @@ export function battleText({ state, paused, time_left, battle, notice }) {
 
 /**
  * The battle's buttons; the first of them changes between pause and resume.
- * @param {{state: string, paused: boolean}} game
- * @param {{player: string|null}[]} robots
+ * @param {{state: string, paused: boolean, why_no_start: ""|"runs"|"too_few"|"match"}} game
  * @returns {Record<string, {action: string, text: string, why: string}>} by the button's id; `why` it cannot be pressed
  *   now, empty if it can
  */
-export function battleButtons({ state, paused }, robots) {
+export function battleButtons({ state, paused, why_no_start }) {
   const nothing = state === "stopped" ? t("desk.why_nothing_runs") : "";
   return {
     pause: { action: paused ? "resume" : "pause", text: t(paused ? "desk.resume" : "desk.pause"), why: nothing },
-    start: { action: "start", text: t("desk.start"), why: whyNoStart(state, paused, robots) },
+    start: { action: "start", text: t("desk.start"), why: why_no_start && t(WHY_NO_START[why_no_start]) },
     "add-time": { action: "add_time", text: t("desk.add_time", { n: ADDED_TIME }), why: nothing },
     abort: { action: "abort", text: t("desk.abort"), why: nothing },
   };
 }
 
-function whyNoStart(state, paused, robots) {
-  if (state === "playing") return t("desk.why_runs");
-  if (paused) return t("desk.why_paused");
-  const driven = robots.filter(({ player }) => player !== null).length;
-  return state === "countdown" || driven >= 2 ? "" : t("desk.why_too_few", { n: driven });
-}
+const WHY_NO_START = { runs: "desk.why_runs", too_few: "desk.why_too_few", match: "desk.why_match" };
 
 /** How long ago something was heard; null: never. */
 export function ageText(seconds) {

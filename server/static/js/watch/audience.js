@@ -8,10 +8,12 @@ import { number, t } from "../common/words.js";
 const POLL = 1500; // ms
 const [DONE, OVER, MUCH] = [200, 410, 429]; // HTTP's statuses
 
+const KEY = "laserbot-vote"; // in localStorage: the vote's number and the choice, so that a page opened anew knows it
+
 const byId = (id) => document.getElementById(id);
 
 export class Audience {
-  #choice = -1; // of this page in the vote that is shown
+  #choice = -1; // of this device in the vote that is shown
   #number = 0; // of that vote
   #busy = false;
   #cheers = {};
@@ -23,6 +25,11 @@ export class Audience {
     });
     setInterval(() => this.#ask(), POLL);
     this.#ask();
+  }
+
+  /** Whether there is a vote to be seen. */
+  get hasVote() {
+    return !byId("vote").hidden;
   }
 
   /** Show who is cheered for, on the rows of players that there are now. */
@@ -52,7 +59,7 @@ export class Audience {
     const choices = byId("vote-choices");
     if (vote.number !== this.#number) {
       this.#number = vote.number;
-      this.#choice = -1;
+      this.#choice = keptChoice(vote.number);
       setText(byId("vote-note"), "");
       choices.replaceChildren(...vote.choices.map((choice, index) => element("li", {}, this.#button(choice, index))));
     }
@@ -79,7 +86,10 @@ export class Audience {
 
   async #vote(choice) {
     const status = await send("vote", { number: this.#number, choice }).catch(() => 0);
-    if (status === DONE) this.#choice = choice;
+    if (status === DONE) {
+      this.#choice = choice;
+      keepChoice(this.#number, choice);
+    }
     setText(byId("vote-note"), status === OVER ? t("audience.late") : status === MUCH ? t("audience.full") : "");
     await this.#ask();
   }
@@ -89,6 +99,23 @@ export class Audience {
       this.#cheers[name] = (this.#cheers[name] ?? 0) + 1; // seen at once
       this.show();
     }
+  }
+}
+
+function keptChoice(number) {
+  try {
+    const kept = JSON.parse(localStorage.getItem(KEY));
+    return kept?.number === number ? kept.choice : -1;
+  } catch {
+    return -1;
+  }
+}
+
+function keepChoice(number, choice) {
+  try {
+    localStorage.setItem(KEY, JSON.stringify({ number, choice }));
+  } catch {
+    // blocked or full: it is known until the page is left
   }
 }
 

@@ -38,13 +38,14 @@ export class ScreenSchedule {
   /**
    * @param {number} now ms
    * @param {boolean} hasLeaders whether there is a leaderboard to show
+   * @param {boolean} hasVote whether people vote, which takes the podium's place
    * @returns {Panel}
    */
-  panel(now, hasLeaders) {
+  panel(now, hasLeaders, hasVote) {
     if (this.#game === null) return "none";
     if (this.#game === COUNTDOWN) return "countdown";
     if (this.#game === PLAYING) return "battle";
-    if (now - this.#endedAt < PODIUM) return "podium";
+    if (now - this.#endedAt < PODIUM && !hasVote) return "podium";
     const turn = Math.floor((now - this.#idleSince) / TURN);
     return hasLeaders && turn % 2 === 0 ? "leaders" : "join";
   }

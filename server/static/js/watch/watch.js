@@ -50,7 +50,7 @@ function look() {
     shown = leaders.players;
     view.showLeaders(shown);
   }
-  view.showPanel(schedule.panel(performance.now(), shown.length > 0));
+  view.showPanel(schedule.panel(performance.now(), shown.length > 0, audience.hasVote));
 }
 
 /** The arena's picture, where there is one: it is on the host that served this page. */
