@@ -1,7 +1,6 @@
 """Teams, and light that tells who has shot, in real browsers: the robots' reports come from a ROS node of the tests."""
 
-import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,10 +8,10 @@ from playwright.sync_api import Browser, Page, expect
 
 from tests.browser.axe import violations
 from tests.browser.people import Person
+from tests.browser.ros_node import node
 from tests.support.battle import Battle
 from tests.support.demo import Demo
 from tests.support.player import Player
-from tests.support.programs import Program
 
 
 @pytest.fixture
@@ -29,21 +28,6 @@ def people(person: Callable[..., Person]) -> tuple[Person, Person]:
 def battle(demo: Demo) -> Demo:
     demo.play_by(countdown=2, hit_damage=50)
     return demo
-
-
-@contextlib.contextmanager
-def node(battle: Battle, *words: str) -> Iterator[None]:
-    """A ROS node beside those of the battle's robots: see tests/integration/server/peers.py."""
-    ros = {
-        "ROS_MASTER_URI": f"http://127.0.0.1:{battle.ports['LASERBOT_ROS_PORT']}",
-        "ROS_IP": "127.0.0.1",
-        "ROS_HOSTNAME": "127.0.0.1",
-    }
-    program = Program.python("tests.integration.server.peers", *words, env=ros)
-    try:
-        yield
-    finally:
-        program.stop()
 
 
 def play(*people: Person) -> None:
