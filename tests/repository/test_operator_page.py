@@ -2,7 +2,7 @@
 
 from flask import Flask
 
-from laser_bot_battle.operator_token import SHORTEST
+from laser_bot_battle.variables import SHORTEST_TOKEN
 from server.access import attempts
 from server.game import desk
 from server.game.loop import GameLoop
@@ -50,7 +50,7 @@ def test_the_bounds_are_those_of_the_code() -> None:
         f"up to {desk.MAX_MESSAGE} characters",
         f"up to {desk.MAX_PRESET} characters",
         f"at most {desk.MAX_PRESETS} times",
-        f"at least {SHORTEST} characters",
+        f"at least {SHORTEST_TOKEN} characters",
         f"{attempts.FREE} at once",
     ):
         assert bound in PAGE + GUIDE

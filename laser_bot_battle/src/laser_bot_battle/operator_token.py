@@ -4,9 +4,14 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from laser_bot_battle import variables
-from laser_bot_battle.settings import SettingsError
+from laser_bot_battle.settings import SettingsError, trimmed
 
-SHORTEST = 16  # characters; fewer could be guessed, as nothing slows that down
+
+def check_choice(environ: Mapping[str, str]) -> None:
+    """SettingsError if both the token and a file with it are given."""
+    both = (variables.OPERATOR_TOKEN.name, variables.OPERATOR_TOKEN_FILE.name)
+    if all(trimmed(environ.get(name, "")) for name in both):
+        raise SettingsError(f"{both[0]} and {both[1]} are both set: choose one")
 
 
 def read_operator_token(environ: Mapping[str, str]) -> str:
@@ -14,17 +19,15 @@ def read_operator_token(environ: Mapping[str, str]) -> str:
 
     SettingsError for a file that cannot be read, and for a token that is too short.
     """
-    token, path = variables.OPERATOR_TOKEN.read(environ), variables.OPERATOR_TOKEN_FILE.read(environ)
-    if token and path:
-        raise SettingsError("LASERBOT_OPERATOR_TOKEN and LASERBOT_OPERATOR_TOKEN_FILE are both set: choose one")
-    if path:
-        try:
-            token = Path(path).read_text().strip()
-        except (OSError, UnicodeDecodeError) as error:
-            raise SettingsError(f"LASERBOT_OPERATOR_TOKEN_FILE={path}: cannot be read: {error}") from None
-    if 0 < len(token) < SHORTEST:
-        where = f"LASERBOT_OPERATOR_TOKEN_FILE={path}" if path else "LASERBOT_OPERATOR_TOKEN"
-        raise SettingsError(
-            f"{where}: the token needs at least {SHORTEST} characters: make one by openssl rand -hex 16"
-        )
-    return token
+    check_choice(environ)
+    path = variables.OPERATOR_TOKEN_FILE.read(environ)
+    if not path:
+        return variables.OPERATOR_TOKEN.read(environ)
+    try:
+        token = Path(path).read_text().strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise SettingsError(f"LASERBOT_OPERATOR_TOKEN_FILE={path}: cannot be read: {error}") from None
+    try:
+        return variables.OPERATOR_TOKEN.parse(token) if token else ""
+    except ValueError as error:
+        raise SettingsError(f"LASERBOT_OPERATOR_TOKEN_FILE={path}: {error}") from None

@@ -37,6 +37,7 @@ class Variable(Generic[T]):
     lowest: float | None = None  # of a number
     highest: float | None = None
     words: tuple[str, ...] = ()  # all that it may be, if these are words
+    is_secret: bool = False  # no error shows the value
 
     def read(self, environ: Mapping[str, str], default: T | None = None) -> T:
         """Its value; unset or empty means the default (`default` before the declared one). SettingsError."""
@@ -46,7 +47,7 @@ class Variable(Generic[T]):
         try:
             return self.parse(text)
         except ValueError as error:
-            raise SettingsError(f"{self.name}={shown(text)}: {error}") from None
+            raise SettingsError(f"{self.name}{'' if self.is_secret else f'={shown(text)}'}: {error}") from None
 
     def __post_init__(self) -> None:
         _KNOWN.add(self.name)
@@ -127,28 +128,29 @@ def tidy(program: str, environ: MutableMapping[str, str]) -> None:
     def tell(text: str) -> None:
         print(f"{program}: {text}", file=sys.stderr, flush=True)
 
-    services = tuple(name.removesuffix(_OF_A_SERVICE) + "_" for name in environ if name.endswith(_OF_A_SERVICE))
     for name in [name for name in environ if name.startswith(("LASERBOT_", "ROS_"))]:
         text = environ[name]
         if trimmed(text) != text and text.strip(" "):
             tell(f"{name}={shown(text)}: what cannot be seen at its ends is left out")
         environ[name] = trimmed(text)
-        if name.startswith("LASERBOT_") and name not in _KNOWN and not name.startswith(services):
-            nearest = difflib.get_close_matches(name, _KNOWN, 1)
-            tell(f"{name}: there is no such setting{f'; the nearest is {nearest[0]}' if nearest else ''}")
-            del environ[name]
-    _check_address(environ)
+    for name, mistake in unknown(environ).items():
+        tell(mistake)
+        del environ[name]
+    for address in ROS_ADDRESSES:
+        address.read(environ)
 
 
-def _check_address(environ: Mapping[str, str]) -> None:
-    own, name = environ.get("ROS_IP", ""), environ.get("ROS_HOSTNAME", "")
-    try:
-        if own:
-            ip_address(own)
-    except ValueError:
-        raise SettingsError(f"ROS_IP={shown(own)}: must be one IP address of this machine") from None
-    if name and not re.fullmatch(r"[\w.:-]+", name):
-        raise SettingsError(f"ROS_HOSTNAME={shown(name)}: must be a name or an address of this machine, and no more")
+def unknown(environ: Mapping[str, str]) -> dict[str, str]:
+    """The variables that look like settings and are none, each with a line that names the nearest. The line does not
+    show the value: it may be a secret's."""
+    services = tuple(name.removesuffix(_OF_A_SERVICE) + "_" for name in environ if name.endswith(_OF_A_SERVICE))
+    names = [name for name in environ if name.upper().startswith("LASERBOT") and name not in _KNOWN]
+    return {name: _no_such(name) for name in names if not name.startswith(services)}
+
+
+def _no_such(name: str) -> str:
+    nearest = difflib.get_close_matches(name.upper(), _KNOWN, 1)
+    return f"{shown(name)}: there is no such setting{f'; the nearest is {nearest[0]}' if nearest else ''}"
 
 
 def describe(*variables: Variable[Any]) -> str:
@@ -166,6 +168,26 @@ def read_or_exit(program: str, read: Callable[[Mapping[str, str]], T], environ: 
     except SettingsError as error:
         print(f"{program}: {error}", file=sys.stderr)
         raise SystemExit(2) from None
+
+
+def _own_ip(given: str) -> str:
+    try:
+        return str(ip_address(given))
+    except ValueError:
+        raise ValueError("must be one IP address of this machine") from None
+
+
+def _own_name(given: str) -> str:
+    if not re.fullmatch(r"[\w.:-]+", given):
+        raise ValueError("must be a name or an address of this machine, and no more")
+    return given
+
+
+# ROS's own, which it reads itself
+ROS_ADDRESSES = (
+    Variable("ROS_IP", "", "this machine's address", _own_ip, "found out"),
+    Variable("ROS_HOSTNAME", "", "this machine's name", _own_name, "none"),
+)
 
 
 def _whole(lowest: int, highest: int) -> Callable[[str], int]:

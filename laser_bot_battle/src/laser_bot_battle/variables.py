@@ -36,6 +36,8 @@ from laser_bot_battle.settings import (
 )
 
 MAX_FIRST_PORT = 65536 - len(WATCHED)
+SHORTEST_TOKEN = 16  # characters; fewer could be guessed, as nothing slows that down
+DATABASES = "postgresql://user:password@host/name or sqlite:////folder/file"
 _HEADER_GPIOS = range(28)  # the others belong to the Raspberry Pi's own parts, such as its SD card
 
 
@@ -120,6 +122,18 @@ def _arena(text: str) -> str:
     if not text.isprintable() or "." in text or text.startswith("_") or too_long:
         raise ValueError(f"must be a name of at most {MAX_OWN_NAME} bytes without dots, and not begin with _")
     return text.strip()
+
+
+def _token(text: str) -> str:
+    if len(text) < SHORTEST_TOKEN:
+        raise ValueError(f"the token needs at least {SHORTEST_TOKEN} characters: make one by openssl rand -hex 16")
+    return text
+
+
+def _database(text: str) -> str:
+    if not re.match(r"(postgresql(\+pg8000)?|sqlite)://", text):
+        raise ValueError(f"must be {DATABASES}")
+    return text
 
 
 def _master_uri(text: str) -> str:
@@ -264,11 +278,13 @@ DATA: Variable[Path] = Variable(
     Path,
     "`~/.local/share/laserbot`",
 )
-DATABASE = words(
+DATABASE: Variable[str] = Variable(
     "LASERBOT_DATABASE",
     "",
     "another database: `postgresql://user:password@host/name`, or `sqlite:///` and a file",
+    _database,
     "`laserbot.db`",
+    is_secret=True,
 )
 ROSTER: Variable[dict[str, int]] = Variable(
     "LASERBOT_ROSTER",
@@ -278,11 +294,14 @@ ROSTER: Variable[dict[str, int]] = Variable(
     _roster,
     "none",
 )
-OPERATOR_TOKEN = words(
+OPERATOR_TOKEN: Variable[str] = Variable(
     "LASERBOT_OPERATOR_TOKEN",
     "",
     "secret of [the operators](operator.md), at least 16 characters: it opens their desk and lets a rosbridge client "
     "do everything",
+    _token,
+    "none",
+    is_secret=True,
 )
 OPERATOR_TOKEN_FILE = words(
     "LASERBOT_OPERATOR_TOKEN_FILE", "", "file that holds this secret, instead of the secret itself; not with compose"

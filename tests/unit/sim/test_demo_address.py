@@ -7,8 +7,8 @@ import pytest
 
 from laser_bot_battle import addresses
 from laser_bot_battle.interfaces import LanAddress
-from laser_bot_battle.operator_token import SHORTEST
 from laser_bot_battle.settings import SettingsError
+from laser_bot_battle.variables import SHORTEST_TOKEN
 from sim import demo_settings
 from sim.demo import desk, from_the_network
 from sim.demo_settings import Settings
@@ -35,7 +35,7 @@ def test_the_operators_desk_comes_with_a_token_of_its_own_or_with_yours(monkeypa
     monkeypatch.setattr(demo_settings, "_trouble", lambda *_: "")
     tokens = {Settings.from_env({}).new_token for _ in range(3)}
     assert len(tokens) == 3
-    assert min(map(len, tokens)) >= SHORTEST
+    assert min(map(len, tokens)) >= SHORTEST_TOKEN
     assert (
         desk(Settings("127.0.0.1", PORTS, "abc")) == "http://localhost:5000/operator   the operator's desk, token abc"
     )
