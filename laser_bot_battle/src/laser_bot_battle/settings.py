@@ -38,6 +38,7 @@ class Variable(Generic[T]):
     highest: float | None = None
     words: tuple[str, ...] = ()  # all that it may be, if these are words
     is_secret: bool = False  # no error shows the value
+    pattern: str = ""  # what the whole value looks like, where nothing above says it (RE2)
 
     def read(self, environ: Mapping[str, str], default: T | None = None) -> T:
         """Its value; unset or empty means the default (`default` before the declared one). SettingsError."""
@@ -71,7 +72,7 @@ def port(name: str, default: int, text: str) -> Variable[int]:
 
 
 def optional_port(name: str, text: str, shown: str) -> Variable[int | None]:
-    return Variable(name, None, text, _whole(1, 65535), shown)
+    return Variable(name, None, text, _whole(1, 65535), shown, lowest=1, highest=65535)
 
 
 def flag(name: str, text: str, *, default: bool = False) -> Variable[bool]:

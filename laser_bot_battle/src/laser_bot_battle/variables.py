@@ -192,6 +192,7 @@ ORIGINS: Variable[tuple[str, ...]] = Variable(
     "with spaces between them",
     _origins,
     "none",
+    pattern=r"(?i)(https?://[^\s/]+(\s+|$))*",
 )
 PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
     "LASERBOT_PROXIES",
@@ -220,7 +221,14 @@ LIGHT = choice(
     "`plain` (demo: `coded`)",
 )
 TEAMS: Variable[int] = Variable(
-    "LASERBOT_TEAMS", 0, "teams that fight, 2 to 4; 0: everybody fights alone", _teams, "0", lowest=0, highest=4
+    "LASERBOT_TEAMS",
+    0,
+    "teams that fight, 2 to 4; 0: everybody fights alone",
+    _teams,
+    "0",
+    lowest=0,
+    highest=4,
+    pattern="[0234]",
 )
 FRIENDLY_FIRE = flag("LASERBOT_FRIENDLY_FIRE", "1: hits from the same team count, too")
 LIGHT_DAMAGE = flag("LASERBOT_LIGHT_DAMAGE", "1: a hit by coded light takes what its code says, not the usual damage")
@@ -293,6 +301,7 @@ ROSTER: Variable[dict[str, int]] = Variable(
     "any other robot gets the lowest free ID and keeps it",
     _roster,
     "none",
+    pattern=r"([^\s,]+=[0-9]{1,3}([\s,]+|$))*",
 )
 OPERATOR_TOKEN: Variable[str] = Variable(
     "LASERBOT_OPERATOR_TOKEN",
