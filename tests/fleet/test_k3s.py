@@ -4,11 +4,8 @@ k3s itself is not part of a rehearsal: a stand-in notes what it is asked for.
 """
 
 import base64
-import io
 import json
 import shlex
-import subprocess
-import tarfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,7 +13,9 @@ import pytest
 import yaml
 
 from fleet import Machine
-from tests.support.programs import ROOT
+from tests.support.archive import Archive
+from tests.support.imagefile import version
+from tests.support.manifests import customized
 from tests.support.rehearsal import Rehearsal
 
 pytestmark = pytest.mark.slow
@@ -54,6 +53,7 @@ case "$*" in
     tar -xOf "$4" index.json >{NOTES}/imported ;;
 "ctr images list") cat {NOTES}/imported || true ;;
 "kubectl label "*) [ -e $again ] && echo "node/one not labeled" || echo "node/one labeled"; touch $again ;;
+*" get pods --output=json "*) cat {NOTES}/pods ;;
 "kubectl get pods "*) echo "robot-x7k2p 0/1 ErrImageNeverPull" ;;
 *" rollout status "*) [ ! -e {NOTES}/stuck ] || {{ echo "timed out waiting for the condition" >&2; exit 1; }} ;;
 esac
@@ -61,23 +61,35 @@ esac
 
 
 @pytest.fixture
-def archive(tmp_path: Path) -> Path:
-    """As the images', with only the index."""
-    names = {"io.containerd.image.name": "docker.io/library/rosberry:1", "org.opencontainers.image.ref.name": "1"}
-    index = json.dumps({"manifests": [{"digest": "sha256:0123", "annotations": names}]}).encode()
-    entry = tarfile.TarInfo("index.json")
-    entry.size = len(index)
-    with tarfile.open(tmp_path / "images.tar", "w") as tar:
-        tar.addfile(entry, io.BytesIO(index))
-    return tmp_path / "images.tar"
+def images(tmp_path: Path) -> Archive:
+    return Archive(tmp_path / "images.tar")
 
 
 @pytest.fixture
-def nodes(rehearsal: Rehearsal) -> Iterator[list[Machine]]:
+def archive(images: Archive) -> Path:
+    return images.path
+
+
+def running(images: Archive) -> str:
+    """A master's pod with an archive's image, as kubectl gives it."""
+    image = {"name": "web", "imageID": images.settings["webserver", "amd64"]}
+    pod = {
+        "metadata": {"namespace": "laserbot", "name": "master-1"},
+        "spec": {"containers": [{"name": "web", "image": "webserver"}]},
+        "status": {"phase": "Running", "containerStatuses": [image]},
+    }
+    return json.dumps({"items": [pod]})
+
+
+@pytest.fixture
+def nodes(rehearsal: Rehearsal, images: Archive) -> Iterator[list[Machine]]:
     """All hosts, with a k3s."""
     machines = list(rehearsal.machines.values())
     for machine in machines:
-        install = f"mkdir {NOTES} && printf %s {shlex.quote(STAND_IN)} >{PROGRAM} && chmod 755 {PROGRAM}"
+        install = (
+            f"mkdir {NOTES} && printf %s {shlex.quote(STAND_IN)} >{PROGRAM} && chmod 755 {PROGRAM}"
+            f" && printf %s {shlex.quote(running(images))} >{NOTES}/pods"
+        )
         machine.run(f"sh -c {shlex.quote(install)}")
     yield machines
     for machine in machines:
@@ -111,7 +123,9 @@ def test_hosts_without_k3s_are_told_where_to_get_it(rehearsal: Rehearsal, archiv
     assert "k3s/README.md" in run.output
 
 
-def test_the_nodes_get_images_labels_and_the_game(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
+def test_the_nodes_get_images_labels_and_the_game(
+    rehearsal: Rehearsal, nodes: list[Machine], images: Archive, archive: Path, tmp_path: Path
+) -> None:
     variables = f"--extra-vars=fleet_images_archive={archive}"
     nodes[1].run(f"touch {NOTES}/full")
     assert rehearsal.playbook("k3s", variables, check=False).recap[nodes[1].name]["failed"] == 1
@@ -125,10 +139,10 @@ def test_the_nodes_get_images_labels_and_the_game(rehearsal: Rehearsal, nodes: l
     roles = {"master": "master", "robots": "robot"}
     assert labels == {(node.run("hostname").strip(), f"laserbot/role={roles[node.group]}") for node in nodes}
 
-    built = subprocess.run(
-        [str(ROOT / "ci/kubectl"), "kustomize", str(ROOT / "k3s/overlays/lan")], capture_output=True, check=True
-    )
-    wanted = by_name([document for document in yaml.safe_load_all(built.stdout) if document])
+    by_digest = [
+        {"name": name, "newTag": f"{version()}-{digest.replace(':', '-')}"} for name, digest in images.digests.items()
+    ]
+    wanted = by_name(customized(tmp_path, "lan", images=by_digest).objects)
     given = by_name(applied(nodes[0]))
     token = nodes[0].run("cat /etc/laserbot/operator-token").strip()
     assert given.pop(("Secret", "operator"))["data"] == {"token": base64.b64encode(token.encode()).decode()}  # type: ignore[index]
@@ -172,6 +186,24 @@ def test_a_token_that_is_taken_away_is_no_longer_valid(
 
     again = rehearsal.playbook("k3s", variables, "--extra-vars=fleet_operator_token=")
     assert again.changed == 0, again.output
+
+
+def test_what_runs_is_compared_with_what_was_built(
+    rehearsal: Rehearsal, nodes: list[Machine], archive: Path, tmp_path: Path
+) -> None:
+    older = running(Archive(tmp_path / "older.tar", {"webserver": "older"}))
+    nodes[0].run(f"sh -c {shlex.quote(f'printf %s {shlex.quote(older)} >{NOTES}/pods')}")
+    run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}", check=False)
+    assert run.process.returncode != 0
+    assert "laserbot/master-1 web: runs sha256:" in run.output
+
+
+def test_an_archive_without_digests_changes_nothing(rehearsal: Rehearsal, nodes: list[Machine], tmp_path: Path) -> None:
+    plain = Archive(tmp_path / "plain.tar", by_digest=False).path
+    run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={plain}", check=False)
+    assert run.process.returncode != 0
+    assert "by digest; write it anew" in run.output
+    assert not [call for call in calls(nodes[0]) if call.startswith(("kubectl apply", "ctr images import"))]
 
 
 def test_pods_that_do_not_become_ready_are_shown(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:

@@ -1,0 +1,167 @@
+#!/usr/bin/env python3
+"""Names the images of an archive by what is in them, and tells whether a cluster runs those.
+
+    k3s/images.py name ARCHIVE [REGISTRY]
+
+prints a kustomize component: Kubernetes then starts these images and no others of the same version. With REGISTRY, it
+takes them from there.
+
+    kubectl get pods --all-namespaces --selector app.kubernetes.io/part-of=laserbot --output json |
+        k3s/images.py check ARCHIVE
+
+says which containers run something else: exit code 1 if there are any.
+
+`make images ARCHIVE=...` writes the archive; Python's standard library is all that this program needs.
+"""
+
+import json
+import re
+import sys
+import tarfile
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+DIGEST = re.compile(r"sha256:[0-9a-f]{64}")
+FIELD = "io.containerd.image.name"
+
+
+class InputError(Exception):
+    """What the user should be told, in one line."""
+
+
+@dataclass(frozen=True)
+class Image:
+    """One image for all its platforms."""
+
+    name: str
+    version: str
+    digest: str
+    parts: frozenset[str]  # the digests by which a cluster may know it: its own, and for each platform two
+
+    @property
+    def tag(self) -> str:
+        """The archive's second tag for it. A tag has no colon."""
+        return f"{self.version}-{self.digest.replace(':', '-')}"
+
+
+def read(archive: Path) -> dict[str, Image]:
+    """The images of an archive by name; InputError if it is none, or names them only by their version."""
+    try:
+        with tarfile.open(archive) as tar:
+            entries = _json(tar, "index.json")["manifests"]
+            tags: dict[str, set[str]] = {}
+            for entry in entries:
+                name, _, tag = entry["annotations"][FIELD].rpartition("/")[2].partition(":")
+                tags.setdefault(name, set()).add(tag)
+            images = {}
+            for entry in entries:
+                name, _, tag = entry["annotations"][FIELD].rpartition("/")[2].partition(":")
+                image = Image(name, tag, entry["digest"], frozenset(_parts(tar, entry["digest"])))
+                if image.tag in tags[name]:
+                    images[name] = image
+    except OSError as error:
+        raise InputError(f"cannot read {archive}: {error.strerror or error}") from None
+    except (tarfile.TarError, KeyError, TypeError, ValueError):
+        raise InputError(f"{archive} is no archive of images; make images ARCHIVE={archive} writes one") from None
+    missing = tags.keys() - images.keys()
+    if missing or not images:
+        raise InputError(
+            f"{archive} does not name {' '.join(sorted(missing)) or 'any image'} by digest; write it anew: "
+            f"make images ARCHIVE={archive}"
+        )
+    return images
+
+
+def _json(tar: tarfile.TarFile, name: str) -> Any:
+    file = tar.extractfile(name)
+    if file is None:
+        raise KeyError(name)
+    return json.load(file)
+
+
+def _parts(tar: tarfile.TarFile, digest: str) -> Iterator[str]:
+    """A container runtime names what it runs by the digest of the whole, or of a platform's manifest or settings."""
+    yield digest
+    try:
+        content = _json(tar, f"blobs/{digest.replace(':', '/')}")
+    except KeyError:
+        return  # an archive may have some platforms only
+    for manifest in content.get("manifests", []):
+        yield from _parts(tar, manifest["digest"])
+    if "config" in content:
+        yield content["config"]["digest"]
+
+
+def component(images: Mapping[str, Image], source: str, registry: str | None = None) -> str:
+    """A kustomization.yaml that names the images by digest: in a registry as usual, else by the second tag."""
+    lines = [
+        f"# Written by k3s/images.py: the images of {source}, by digest.",
+        "apiVersion: kustomize.config.k8s.io/v1alpha1",
+        "kind: Component",
+        "images:",
+    ]
+    for name, image in sorted(images.items()):
+        if registry:
+            lines.append(f"  - {{name: {name}, newName: {registry}/{name}, digest: '{image.digest}'}}")
+        else:
+            lines.append(f"  - {{name: {name}, newTag: {image.tag}}}")
+    return "\n".join(lines) + "\n"
+
+
+def others(pods: Mapping[str, Any], images: Mapping[str, Image]) -> Iterator[str]:
+    """A line for each container of these pods (as kubectl gives them) that runs another image of the same name.
+
+    Pods that are ending, or have ended as those of jobs do, are left out.
+    """
+    for pod in pods["items"]:
+        status = pod.get("status", {})
+        if "deletionTimestamp" in pod["metadata"] or status.get("phase") in {"Succeeded", "Failed"}:
+            continue
+        running = {
+            each["name"]: each.get("imageID", "")
+            for kind in ("initContainerStatuses", "containerStatuses")
+            for each in status.get(kind) or ()
+        }
+        for container in (*pod["spec"].get("initContainers", ()), *pod["spec"]["containers"]):
+            image = images.get(re.split("[:@]", container["image"].rpartition("/")[2])[0])
+            if image is None:
+                continue  # PostgreSQL, or of your own
+            where = f"{pod['metadata']['namespace']}/{pod['metadata']['name']} {container['name']}"
+            found = DIGEST.search(running.get(container["name"], ""))
+            if found is None:
+                yield f"{where}: has not started; wanted is {image.name} {image.digest}"
+            elif found[0] not in image.parts:
+                yield f"{where}: runs {found[0]}; wanted is {image.name} {image.digest}"
+
+
+def check(text: str, images: Mapping[str, Image]) -> list[str]:
+    """As `others`, of kubectl's output; InputError if that has no pods."""
+    try:
+        pods = json.loads(text)
+        if not pods["items"]:
+            raise InputError("there are no pods to compare: is the game in another cluster or namespace?")
+        return list(others(pods, images))
+    except (ValueError, KeyError, TypeError):
+        raise InputError("the input is not the output of kubectl get pods --output json") from None
+
+
+def main(words: list[str]) -> int:
+    try:
+        match words:
+            case ["name", archive, *registry] if len(registry) < 2:
+                print(component(read(Path(archive)), archive, *registry), end="")
+                return 0
+            case ["check", archive]:
+                wrong = check(sys.stdin.read(), read(Path(archive)))
+                print("\n".join(wrong) or "every container runs its image of the archive")
+                return 1 if wrong else 0
+        raise InputError("usage: k3s/images.py name ARCHIVE [REGISTRY], or k3s/images.py check ARCHIVE <PODS")
+    except InputError as error:
+        print(f"k3s/images.py: {error}", file=sys.stderr)
+        return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
