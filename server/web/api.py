@@ -66,7 +66,7 @@ def _add_sign_up(api: Blueprint, game: GameLoop) -> None:
         wait = _FLAG.get(request.form.get("wait", "0"))
         if wait is None:
             _refuse(400, "wait must be 0 or 1", user=name)
-        seconds = math.ceil(sign_ups.wait())
+        seconds = math.ceil(sign_ups.wait(name))
         if seconds:
             return _too_fast(f"too many sign-ups from your address: again in {seconds} s", seconds)
         token = secrets.token_urlsafe(32)

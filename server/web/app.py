@@ -18,7 +18,7 @@ from server.web.assets import asset, compress_page
 from server.web.hosts import as_asked, request_host, with_valid_host
 from server.web.routes import OwnRoutes
 from server.web.settings import Settings
-from server.web.visitors import PROXIES, VISITOR
+from server.web.visitors import PROXIES, VISITOR, watch_addresses
 from server.web.words import add_words
 
 _VISITOR = f"HTTP_{VISITOR.upper().replace('-', '_')}"
@@ -29,6 +29,7 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint, pages: WSGI
     """The WSGI application that serves `game`, with `more` routes than those of players and robots; for all other
     requests it asks `pages`."""
     app = create_base(settings, create_api(game), *more)
+    watch_addresses(app)
     own = OwnRoutes(app)
     answer = app.wsgi_app
 

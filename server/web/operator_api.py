@@ -24,7 +24,7 @@ from server.store.log import EventLog, as_csv, as_json
 from server.web.journal import Journals, NothingToReadError
 from server.web.operator_access import COOKIE, NAMELESS, Access, TooManyError, WrongTokenError
 from server.web.settings import Settings
-from server.web.visitors import visitor_address
+from server.web.visitors import one_address, visitor_address
 
 PREFIX = "/operator/api/"
 MAX_BODY = 256 * 1024  # bytes; the longest honest one is a list of words
@@ -129,6 +129,7 @@ def _add_views(
                 "waiting": database.waiting,
             },
             versions={**versions, "database": database.version},
+            visitors={"one_address": one_address().found(time.monotonic())},
             operator=g.operator,
             log=log.latest(),
             has_journal=settings.journal is not None,

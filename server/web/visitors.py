@@ -5,16 +5,18 @@ import hmac
 import secrets
 import time
 
-from flask import current_app, request
+from flask import Flask, current_app, request
 
 from laser_bot_battle.plain_address import plain_address
 from laser_bot_battle.proxies import FORWARDED, THIS_MACHINE, visitor
 from laser_bot_battle.token_bucket import TokenBuckets
+from server.web.one_address import OneAddress
 
 AT_ONCE = 4  # sign-ups of one address, then
 PERIOD = 3.0  # s for each further one
 VISITOR = "X-LaserBot-Visitor"  # to the process of the pages: the visitor's address, whatever the visitor says
 PROXIES = "LASERBOT_PROXIES"  # in the application's configuration
+_ONE_ADDRESS = "laserbot_one_address"  # among its extensions
 
 _SALT = secrets.token_bytes(16)
 
@@ -34,14 +36,26 @@ def visitor_mark() -> str:
     return hmac.new(_SALT, visitor_address().encode(), hashlib.sha256).hexdigest()[:16]
 
 
+def watch_addresses(app: Flask) -> None:
+    """Let the application notice when most visitors seem to come from one address."""
+    app.extensions[_ONE_ADDRESS] = OneAddress()
+
+
+def one_address() -> OneAddress:
+    """The application's."""
+    found: OneAddress = current_app.extensions[_ONE_ADDRESS]
+    return found
+
+
 class SignUps:
     """Sign-ups by address. Visitors on this machine itself, as in a demo, wait for nothing."""
 
     def __init__(self) -> None:
         self._buckets = TokenBuckets(AT_ONCE, PERIOD)
 
-    def wait(self) -> float:
+    def wait(self, name: str) -> float:
         """Count the request as a sign-up, or (not 0) return the s until there may be one from its address."""
+        one_address().came(name, visitor_address(), time.monotonic())
         if plain_address(request.remote_addr or "") in THIS_MACHINE and FORWARDED not in request.headers:
             return 0.0
         return self._buckets.take(visitor_address(), time.monotonic())

@@ -12,6 +12,7 @@ from tests.support.ports import free_port
 from tests.support.program_settings import ROS, ProgramSettings
 from tests.support.programs import ROOT, Program
 
+README = (ROOT / "k3s/README.md").read_text()
 NAMESPACES = [
     pytest.param(overlay(name).within(namespace), id=f"{name}-{namespace}")
     for name in (*OVERLAYS, "lan+front", "sim+front")
@@ -112,6 +113,25 @@ def test_the_page_is_told_the_ports_of_the_nodes() -> None:
                 node_ports["relay"],
                 node_ports["view"],
             )
+
+
+def test_visitors_keep_their_addresses_at_the_node_that_people_name() -> None:
+    for name in ("sim", "arenas"):
+        for namespace in overlay(name).namespaces:
+            here = overlay(name).within(namespace)
+            open_to_people = [each for each in here.of("Service") if each["spec"].get("type") == "NodePort"]
+            assert {each["metadata"]["name"] for each in open_to_people} == {"players", "spectators"}
+            assert all(each["spec"]["externalTrafficPolicy"] == "Local" for each in open_to_people)
+            # a page finds the arena's view at its own host, so both pods are drawn to one node, and to the labelled one
+            for pod, other in (("master", "arena"), ("arena", "master")):
+                affinity = here.one("Deployment", pod)["spec"]["template"]["spec"]["affinity"]
+                (near,) = affinity["podAffinity"]["preferredDuringSchedulingIgnoredDuringExecution"]
+                assert selected(here, near["podAffinityTerm"]["labelSelector"]["matchLabels"]) == [
+                    here.one("Deployment", other)
+                ]
+                (label,) = affinity["nodeAffinity"]["preferredDuringSchedulingIgnoredDuringExecution"]
+                (wanted,) = label["preference"]["matchExpressions"]
+                assert f"kubectl label node NAME {wanted['key']}={wanted['values'][0]}" in README
 
 
 def test_the_relay_is_told_where_browsers_find_the_pages() -> None:

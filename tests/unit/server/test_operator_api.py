@@ -18,6 +18,7 @@ from server.game.robot_health import RobotsHealth
 from server.game.rules import DECLARED, Rules
 from server.store.database import Database
 from server.store.log import EventLog
+from server.web.one_address import MANY
 from server.web.operator import create_operator
 from server.web.operator_access import MAX_SESSIONS, SESSION_LIFE, Access
 from server.web.operator_api import create_operator_api
@@ -636,7 +637,7 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     state = site.operator().get("/operator/api/state").json
     assert state.keys() == {
         "time", "game", "robots", "players", "queue", "rules", "presets", "names", "tournament", "database", "versions",
-        "operator", "log", "has_journal",
+        "visitors", "operator", "log", "has_journal",
     }  # fmt: skip
     assert state["game"].keys() == {"state", "paused", "why_no_start", "time_left", "battle", "notice", "message"}
     assert state["robots"][0].keys() >= {
@@ -648,8 +649,15 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     assert state["queue"] == [{"name": "dee", "place": 1, "offer": None, "seconds": pytest.approx(185)}]
     assert state["rules"].keys() == DECLARED.keys()
     assert (state["database"]["problem"], state["database"]["mishap"]) == ("", "")
+    assert state["visitors"] == {"one_address": ""}
     assert state["versions"].keys() == {"laserbot", "python", "ros", "database"}
     assert state["versions"]["database"].startswith("sqlite 3.")
+
+
+def test_visitors_who_seem_to_have_one_address_are_told_of(site: Site) -> None:
+    for number in range(MANY):
+        site.browser().post("/signUpUser", data={"data": f"ann{number}"}, environ_base={"REMOTE_ADDR": "10.42.0.1"})
+    assert site.operator().get("/operator/api/state").json["visitors"] == {"one_address": "10.42.0.1"}
 
 
 def test_no_password_is_shown(tmp_path: Path) -> None:

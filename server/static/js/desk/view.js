@@ -30,6 +30,7 @@ export function showState(state, on) {
   showMessage(state.game.message);
   showBanned(state.names.banned, on);
   showSystem(state);
+  showVisitors(state.visitors);
   showLog(state.log);
 }
 
@@ -140,6 +141,11 @@ function showSystem({ database, versions }) {
   byId("database-problem").hidden = problem === "" && mishap === "";
   setText(byId("database-problem"), problem ? t("desk.database_problem", { problem }) : mishap);
   for (const [part, version] of Object.entries(versions)) setText(byId(`version-${part}`), version);
+}
+
+function showVisitors({ one_address: address }) {
+  byId("one-address").hidden = address === "";
+  setText(byId("one-address"), address && t("desk.one_address", { address }));
 }
 
 function showLog(log) {
