@@ -115,10 +115,11 @@ def test_every_reference_is_resolved(started: Started) -> None:
 
 @every_container
 def test_its_ports_are_those_that_the_program_listens_at(started: Started) -> None:
-    named = {port["containerPort"] for port in started.container.get("ports", [])}
-    assert named == started.settings.ports
+    named = {port["name"]: port["containerPort"] for port in started.container.get("ports", [])}
+    assert set(named.values()) == started.settings.ports
     if started.container["name"] != "front":  # whose own ports are root's
-        assert named <= dockerfile(started.image).ports
+        own = {number for name, number in named.items() if not name.startswith("metrics-")}
+        assert own <= dockerfile(started.image).ports
 
 
 @also_those_of_others

@@ -1,8 +1,10 @@
-"""components/monitoring: Prometheus and Alertmanager beside the master's programs, and no battle needs them."""
+"""Prometheus and Alertmanager beside the game (components/monitoring), which does without them; and what there is for a
+Prometheus of the cluster's own (components/metrics, components/prometheus-operator)."""
 
 import os
 import re
 import subprocess
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -11,9 +13,12 @@ import yaml
 
 from laser_bot_battle.names import WATCHED
 from tests.integration.test_monitoring import unpacked
-from tests.k3s.test_front import container_of, environment_of, pod_of
+from tests.k3s.conftest import Customize
+from tests.k3s.test_front import container_of as of_master
+from tests.k3s.test_front import environment_of
+from tests.support.crds import is_custom, problems
 from tests.support.imagefile import dockerfile, version
-from tests.support.manifests import Manifests, overlay
+from tests.support.manifests import Kubelet, Manifests, Object, overlay
 from tests.support.ports import free_port
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT, Program
@@ -21,6 +26,16 @@ from tests.support.programs import ROOT, Program
 OURS = ROOT / "monitoring"
 README = (ROOT / "k3s/README.md").read_text()
 PORTS = {"prometheus": 9210, "alertmanager": 9211}
+PROGRAMS = {"web": "web", "rosbridge": "rosbridge", "camera-relay": "relay"}  # by container
+
+
+def pod_of(manifests: Manifests) -> Object:
+    return dict(manifests.one("Deployment", "monitoring")["spec"]["template"]["spec"])
+
+
+def container_of(manifests: Manifests, name: str) -> Object:
+    (found,) = [each for each in pod_of(manifests)["containers"] if each["name"] == name]
+    return dict(found)
 
 
 @pytest.fixture(params=["lan+monitoring", "sim+monitoring"])
@@ -34,36 +49,55 @@ def watcher(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-def test_the_programs_tell_where_prometheus_asks_and_nobody_else(manifests: Manifests) -> None:
-    (job,) = yaml.safe_load((OURS / "prometheus.yml").read_text())["scrape_configs"]
-    asked = {each["labels"]["program"]: each["targets"] for each in job["static_configs"]}
-    for name, program in {"web": "web", "rosbridge": "rosbridge", "camera-relay": "relay"}.items():
-        command = container_of(manifests, name)["command"]
-        settings = ProgramSettings(command, environment_of(manifests, name)).settings
+def told(manifests: Manifests) -> dict[str, tuple[str, int]]:
+    """Where the master's programs can be watched: the port's name and number, by program."""
+    found = {}
+    for name, program in PROGRAMS.items():
+        container = of_master(manifests, name)
+        settings = ProgramSettings(container["command"], environment_of(manifests, name)).settings
         assert settings is not None
-        address, port = settings.program.metrics
-        assert address == "127.0.0.1"
-        assert asked[program] == [f"{address}:{port + WATCHED.index(program)}"]
+        address, first = settings.program.metrics
+        assert address == "0.0.0.0"
+        number = first + WATCHED.index(program)
+        (port,) = [each["name"] for each in container["ports"] if each["containerPort"] == number]
+        found[program] = (port, number)
+    return found
+
+
+def test_the_service_metrics_leads_to_every_program(manifests: Manifests) -> None:
+    service = manifests.one("Service", "metrics")
+    assert service["spec"]["selector"] == {"app.kubernetes.io/name": "master"}
+    led = {(port["targetPort"], port["port"]) for port in service["spec"]["ports"]}
+    assert led == set(told(manifests).values())
+    assert service["metadata"]["annotations"] == {"prometheus.io/scrape": "true"}
 
 
 def test_nobody_reaches_them_but_by_a_forwarded_port(manifests: Manifests, watcher: str) -> None:
     container, port = container_of(manifests, watcher), PORTS[watcher]
     assert f"--web.listen-address=127.0.0.1:{port}" in " ".join(container["command"]).split()
     assert "ports" not in container
-    assert f"port-forward deployment/master {' '.join(map(str, PORTS.values()))}" in README
+    assert f"port-forward deployment/monitoring {' '.join(map(str, PORTS.values()))}" in README
+
+
+def test_they_outlive_the_masters_node(manifests: Manifests) -> None:
+    pod = pod_of(manifests)
+    assert "tolerations" not in pod, "of a lost node it is moved away, as any pod is"
+    assert not pod.get("hostNetwork")
+    (apart,) = pod["affinity"]["podAntiAffinity"]["preferredDuringSchedulingIgnoredDuringExecution"]
+    assert apart["podAffinityTerm"]["topologyKey"] == "kubernetes.io/hostname"
+    labels = manifests.one("Deployment", "master")["spec"]["template"]["metadata"]["labels"]
+    assert apart["podAffinityTerm"]["labelSelector"]["matchLabels"].items() <= labels.items()
 
 
 def test_they_ask_nothing_of_the_battle(manifests: Manifests, watcher: str) -> None:
-    """A pod is ready when all its containers are: these are as soon as they run."""
     container = container_of(manifests, watcher)
     assert {key for key in container if key.endswith("Probe")} == {"livenessProbe"}
     alive = container["livenessProbe"]
     assert alive["exec"]["command"] == dockerfile("monitoring").health
     assert alive["periodSeconds"] * (alive["failureThreshold"] - 1) >= 60, "a slow program is not restarted"
     assert alive["timeoutSeconds"] >= 10
-    for service in manifests.of("Service"):
-        if service["spec"]["selector"] == {"app.kubernetes.io/name": "master"}:
-            assert service["spec"]["publishNotReadyAddresses"], "the game goes on while one of them is started again"
+    names = {each["name"] for each in manifests.one("Deployment", "master")["spec"]["template"]["spec"]["containers"]}
+    assert not names & set(PORTS), "and no change of theirs restarts the master"
 
 
 def test_what_they_keep_has_room_enough(manifests: Manifests) -> None:
@@ -83,20 +117,38 @@ def test_their_image_is_of_this_version(manifests: Manifests, watcher: str) -> N
     assert (container["image"], container["imagePullPolicy"]) == (f"monitoring:{version()}", "IfNotPresent")
 
 
-def test_prometheus_runs_by_its_command(tmp_path: Path) -> None:
+def test_prometheus_runs_by_its_command_and_asks_the_master(tmp_path: Path) -> None:
     """Debian's, as the image has it, but for its port and folders."""
-    port = free_port()
+    manifests = overlay("sim+monitoring").within("laserbot")
+    kubelet = Kubelet(manifests, pod_of(manifests), {}, {"metrics": "10.43.0.9"})
+    container, port = container_of(manifests, "prometheus"), free_port()
     places = {"9210": str(port), "/opt/laserbot/monitoring": str(OURS), "/var/lib/prometheus": str(tmp_path)}
-    _, *words = container_of(overlay("sim+monitoring").within("laserbot"), "prometheus")["command"]
+    words = kubelet.command(container)
     for there, place in places.items():
         words = [word.replace(there, place) for word in words]
-    program = Program([str(unpacked("prometheus") / "usr/bin/prometheus"), *words])
+    path = f"{unpacked('prometheus') / 'usr/bin'}:{os.environ['PATH']}"
+    program = Program(words, {**kubelet.environment(container), "PATH": path})
     try:
         program.wait_for("Server is ready")
-        rules = requests.get(f"http://127.0.0.1:{port}/api/v1/rules", timeout=10).json()["data"]["groups"]
+        ask = f"http://127.0.0.1:{port}/api/v1"
+        rules = requests.get(f"{ask}/rules", timeout=10).json()["data"]["groups"]
         assert [group["name"] for group in rules] == ["laserbot"]
+        config = yaml.safe_load(requests.get(f"{ask}/status/config", timeout=10).json()["data"]["yaml"])
+        (job,) = config["scrape_configs"]
+        asked = {each["labels"]["program"]: each["targets"] for each in job["static_configs"]}
+        assert asked == {name: [f"10.43.0.9:{number}"] for name, (_, number) in told(manifests).items()}
+        assert f"127.0.0.1:{PORTS['alertmanager']}" in str(config["alerting"])
     finally:
         program.stop()
+
+
+def test_a_pod_that_is_older_than_the_service_says_so() -> None:
+    manifests = overlay("sim+monitoring").within("laserbot")
+    kubelet = Kubelet(manifests, pod_of(manifests), {}, {})
+    container = container_of(manifests, "prometheus")
+    result = subprocess.run(kubelet.command(container), env={}, capture_output=True, text=True, check=False)
+    assert result.returncode != 0
+    assert "the Service metrics is younger than this pod" in result.stderr
 
 
 def test_alertmanager_takes_the_operators_configuration_if_there_is_one(tmp_path: Path) -> None:
@@ -122,3 +174,41 @@ def test_alertmanager_takes_the_operators_configuration_if_there_is_one(tmp_path
     known = subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
     for option in arguments():
         assert option.partition("=")[0] in known
+
+
+@cache
+def operated() -> Manifests:
+    return overlay("sim+prometheus-operator").within("laserbot")
+
+
+def test_the_operators_objects_fit_its_definitions() -> None:
+    custom = [item for item in operated().objects if is_custom(item)]
+    assert {item["kind"] for item in custom} == {"PodMonitor", "PrometheusRule"}
+    assert problems(*custom) == []
+    monitor = operated().one("PodMonitor", "master")
+    wrong = {**monitor, "spec": {**monitor["spec"], "podMetricEndpoints": []}}
+    assert problems(wrong) == ["spec.podMetricEndpoints is no field"]
+
+
+def test_the_operator_asks_every_program_under_the_labels_of_the_alerts() -> None:
+    spec = operated().one("PodMonitor", "master")["spec"]
+    labels = operated().one("Deployment", "master")["spec"]["template"]["metadata"]["labels"]
+    assert spec["selector"]["matchLabels"].items() <= labels.items()
+    (job,) = yaml.safe_load((OURS / "prometheus.yml").read_text())["scrape_configs"]
+    asked = {}
+    for endpoint in spec["podMetricsEndpoints"]:
+        given = {each["targetLabel"]: each["replacement"] for each in endpoint["relabelings"]}
+        assert given["job"] == job["job_name"]
+        asked[given["program"]] = endpoint["port"]
+    assert asked == {program: port for program, (port, _) in told(operated()).items()}
+    assert set(asked) == {each["labels"]["program"] for each in job["static_configs"]}
+
+
+def test_the_operator_has_the_same_alerts() -> None:
+    rules = operated().one("PrometheusRule", "laserbot")["spec"]
+    assert rules == yaml.safe_load((OURS / "rules.yml").read_text())
+
+
+def test_each_arena_of_a_cluster_is_watched_in_its_own_namespace(customize: Customize) -> None:
+    manifests = customize("arenas/red", "prometheus-operator", namespace="laserbot-red")
+    assert {item["metadata"].get("namespace", "laserbot-red") for item in manifests.objects} == {"laserbot-red"}

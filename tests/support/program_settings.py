@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
-from laser_bot_battle.names import ROS_PORT
+from laser_bot_battle.names import ROS_PORT, WATCHED
 from laser_bot_battle.variables import LOG_FORMAT, LOG_LEVEL
 from robot.camera.settings import VARIABLES as CAMERA
 from robot.camera.settings import CameraSettings
@@ -38,12 +38,20 @@ class Recorder(Mapping[str, str]):
 
 ROS = {"ROS_MASTER_URI", "ROS_IP"}  # rospy and rosmaster read these themselves
 Reader = Callable[[Mapping[str, str]], Any]
+
+
+def _ports(found: Any, watched: str) -> set[int]:
+    """The program's own, and where it can be watched."""
+    metrics = found.program.metrics
+    return {found.program.port, *([metrics[1] + WATCHED.index(watched)] if metrics else [])}
+
+
 READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.ros.master": (LOG_LEVEL.read, lambda _: {ROS_PORT}, ROS),
     "server.ros.rosout": (MasterProgramSettings.from_env, lambda _: set(), ROS),
-    "server.main": (WebSettings.from_env, lambda found: {found.program.port}, ROS),
-    "server.rosbridge": (RosbridgeSettings.from_env, lambda found: {found.program.port}, ROS),
-    "server.camera": (RelaySettings.from_env, lambda found: {found.program.port}, ROS),
+    "server.main": (WebSettings.from_env, lambda found: _ports(found, "web"), ROS),
+    "server.rosbridge": (RosbridgeSettings.from_env, lambda found: _ports(found, "rosbridge"), ROS),
+    "server.camera": (RelaySettings.from_env, lambda found: _ports(found, "relay"), ROS),
     "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
