@@ -25,6 +25,7 @@ SERVICES = {
         "laserbot-web",
         "laserbot-camera-relay",
         "laserbot-rosout",
+        "laserbot-backup",
         "laserbot-front",
         "laserbot-announcer",
     ],

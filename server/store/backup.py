@@ -1,7 +1,5 @@
-"""The database as one file: saved while the server runs, put back while it does not. For SQLite.
-
-Other databases have tools of their own, which do this better (pg_dump and pg_restore).
-"""
+"""The database as one file: saved while the server runs, put back while it does not. The file is always one of SQLite;
+how a database on a server gets into it, and back, says `transfer`."""
 
 import os
 import shutil
@@ -23,12 +21,12 @@ class CopyError(Exception):
     """It cannot be done; the text says why, and what to do."""
 
 
-def sqlite_file(url: URL) -> Path:
-    """CopyError when the database is another one."""
-    if url.get_backend_name() != "sqlite" or not url.database:
-        raise CopyError(
-            f"{url} is no SQLite file: use that database's own tools, pg_dump and pg_restore for PostgreSQL"
-        )
+def sqlite_file(url: URL) -> Path | None:
+    """None when the database is on a server. CopyError when it is nowhere."""
+    if url.get_backend_name() != "sqlite":
+        return None
+    if not url.database:
+        raise CopyError(f"{url} names no file")
     return Path(url.database)
 
 
@@ -41,15 +39,16 @@ def back_up(database: Path, target: Path, progress: Callable[[int], None]) -> in
         raise CopyError(f"there is no database {database}")
     if target.exists() and target.samefile(database):
         raise CopyError(f"{target} is the database itself")
-    with _part_of(target) as part, _explained(database):
+    with part_of(target) as part, _explained(database):
         with closing(_open(database, "ro")) as source, closing(sqlite3.connect(part)) as copy:
             source.execute("BEGIN")
             source.execute("SELECT * FROM sqlite_master").fetchone()  # from now on it sees this moment only
             source.backup(
                 copy, pages=_PAGES, progress=lambda _, left, total: progress(100 - 100 * left // max(total, 1))
             )
-        _check(part)
-        part.replace(target)
+        make_plain(part)
+        check(part)
+        settle(part, target)
     return target.stat().st_size
 
 
@@ -58,17 +57,17 @@ def restore(source: Path, database: Path) -> Path | None:
     if not source.exists():
         raise CopyError(f"there is no file {source}")
     database.parent.mkdir(parents=True, exist_ok=True)
-    with _part_of(database) as part:
+    with part_of(database) as part:
         with _explained(source), closing(_open(source, "ro")) as given, closing(sqlite3.connect(part)) as copy:
             given.backup(copy)
-        _check(part)
+        check(part)
         with _alone(database):
             before = database.with_name(f"{database.name}.before") if database.exists() else None
             if before:
                 database.replace(before)
             for suffix in ("-wal", "-shm"):
                 database.with_name(database.name + suffix).unlink(missing_ok=True)
-            part.replace(database)
+            settle(part, database)
     return before
 
 
@@ -76,10 +75,10 @@ def bring_back(held: sqlite3.Connection, database: Path) -> None:
     """Put a database that was deleted back in its place, with all that is in it: `held` still has it open. CopyError,
     OSError."""
     database.parent.mkdir(parents=True, exist_ok=True)
-    with _part_of(database) as part:
+    with part_of(database) as part:
         with _explained(database), closing(sqlite3.connect(part)) as copy:
             held.backup(copy)
-        _check(part)
+        check(part)
         if database.exists():
             raise CopyError(f"there is another {database} meanwhile")
         for suffix in ("-wal", "-shm"):  # `held` has them open, and a new file must not share them
@@ -100,7 +99,25 @@ def _open(file: Path, mode: str) -> sqlite3.Connection:
     return sqlite3.connect(f"{file.absolute().as_uri()}?mode={mode}", uri=True, timeout=_BUSY, isolation_level=None)
 
 
-def _check(file: Path) -> None:
+def make_plain(file: Path) -> None:
+    """One file without a log beside it, so that it can also be read where nothing can be written."""
+    with _explained(file), closing(sqlite3.connect(file)) as connection:
+        connection.execute("PRAGMA journal_mode=DELETE")
+
+
+def settle(part: Path, target: Path) -> None:
+    """Give the finished file its name once it is on the disk: a power cut leaves the old one or the new one."""
+    with part.open("rb") as file:
+        os.fsync(file.fileno())
+    part.replace(target)
+    folder = os.open(target.parent, os.O_RDONLY)
+    try:
+        os.fsync(folder)
+    finally:
+        os.close(folder)
+
+
+def check(file: Path) -> None:
     """CopyError if the file is not a sound database of this system."""
     with _explained(file), closing(sqlite3.connect(file)) as connection:
         (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
@@ -134,7 +151,7 @@ def _alone(database: Path) -> Iterator[None]:
 
 
 @contextmanager
-def _part_of(target: Path) -> Iterator[Path]:
+def part_of(target: Path) -> Iterator[Path]:
     """A new file beside the target, which is gone afterwards if it has not taken its place."""
     part = target.with_name(f"{target.name}.part-{os.getpid()}")
     try:
@@ -153,19 +170,20 @@ def _explained(file: Path) -> Iterator[None]:
 
 
 @contextmanager
-def received(database: Path) -> Iterator[Path]:
-    """The bytes of standard input as a file beside the database, the one place where there is room."""
-    database.parent.mkdir(parents=True, exist_ok=True)
-    with _part_of(database.with_name("received")) as part:
+def received(folder: Path) -> Iterator[Path]:
+    """The bytes of standard input as a file in the folder."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with part_of(folder / "received") as part:
         with part.open("wb") as file:
             shutil.copyfileobj(sys.stdin.buffer, file)
         yield part
 
 
 @contextmanager
-def sent(database: Path) -> Iterator[Path]:
-    """A file beside the database, whose bytes then go to standard output."""
-    with _part_of(database.with_name("sent")) as part:
+def sent(folder: Path) -> Iterator[Path]:
+    """A file in the folder, whose bytes then go to standard output."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with part_of(folder / "sent") as part:
         yield part
         with part.open("rb") as file:
             shutil.copyfileobj(file, sys.stdout.buffer)

@@ -177,7 +177,7 @@ class Database:
             with self._engine.connect() as connection:
                 yield connection
         except Exception as error:
-            raise AwayError(_reason(error)) from error
+            raise AwayError(reason_of(error)) from error
 
     def close(self) -> None:
         """Write what waits, if that is possible soon, and end."""
@@ -235,7 +235,7 @@ class Database:
                     raise LookupError("no connection was open")
                 bring_back(held, self._path)
         except Exception as error:
-            _log.warning("%s cannot be brought back: %s", self._path, _reason(error))
+            _log.warning("%s cannot be brought back: %s", self._path, reason_of(error))
             self._begin_anew("deleted", recorded)
         else:
             self._engine.dispose()
@@ -273,7 +273,7 @@ class Database:
                     _keep_piece(connection, self.arena, piece, offset)
         except Exception as error:
             if isinstance(error, DatabaseError) and self._has_code(error, _OVERWRITTEN) and not self._is_anew:
-                self._begin_anew(f"overwritten ({_reason(error)})", recorded)
+                self._begin_anew(f"overwritten ({reason_of(error)})", recorded)
                 return False
             self._tell(error)
             self._engine.dispose()  # a connection that was given up may still get the answer
@@ -373,7 +373,7 @@ class Database:
             yield connection
 
     def _tell(self, error: Exception) -> None:
-        reason = _reason(error)
+        reason = reason_of(error)
         if not self.problem:
             _log.error("the database %s cannot be used (%s): the game goes on without it", self._url, reason)
         self.problem = reason
@@ -404,7 +404,7 @@ def _mended(saved: Mapping[str, Any]) -> dict[str, Any]:
     return dict(mended)
 
 
-def _reason(error: BaseException) -> str:
+def reason_of(error: BaseException) -> str:
     """In one line, by the part that knows: the file's library, the server or the network."""
     cause = getattr(error, "orig", None) or error
     if cause.args and isinstance(cause.args[0], dict):  # the fields of PostgreSQL's error message
@@ -481,13 +481,14 @@ def _keep_robot(connection: Connection, arena: str, caller: str, robot: int) -> 
     connection.execute(insert(schema.robots).values(arena=arena, caller=caller, robot=robot))
 
 
-def make_engine(url: URL) -> Engine:
-    """By which the database at `url` is written and read."""
+def make_engine(url: URL, busy: float = _BUSY) -> Engine:
+    """By which the database at `url` is written and read. `busy`: s that a statement may wait for another program, and
+    for a server's answer."""
     if url.get_backend_name() != "sqlite":
         # it writes a traceback for each connection that the other end has broken; what is wrong is told by us, once
         logging.getLogger("sqlalchemy.pool").setLevel(logging.CRITICAL)
-        return create_engine(url, connect_args={"timeout": _BUSY}, pool_pre_ping=True)
-    engine = create_engine(url, connect_args={"timeout": _BUSY})
+        return create_engine(url, connect_args={"timeout": busy}, pool_pre_ping=True)
+    engine = create_engine(url, connect_args={"timeout": busy})
 
     @event.listens_for(engine, "connect")
     def settle(connection: Any, record: ConnectionPoolEntry) -> None:

@@ -1,5 +1,6 @@
 """roles/master: what only the master has is saved in one file, and brought back (docs/replace-the-master.md)."""
 
+import os
 import sqlite3
 import sys
 from contextlib import closing
@@ -27,8 +28,9 @@ esac
 """
 
 
-def play(tasks: str, folder: Path) -> None:
-    variables = f"fleet_ca: {folder}/ca\nmaster_backup: {folder}/saved/evening.tar\n"
+def play(tasks: str, folder: Path, **more: object) -> None:
+    given = {"fleet_ca": folder / "ca", "master_backup": folder / "saved/evening.tar", **more}
+    variables = "".join(f"{name}: {value}\n" for name, value in given.items())
     run = play_role("master", tasks, variables, folder, "laser_bot_master")
     assert recap(run.stdout)["laser_bot_master"]["failed"] == 0, run.stdout
 
@@ -41,18 +43,34 @@ def mark(database: Path, number: int | None = None) -> int:
         return int(connection.execute("PRAGMA user_version").fetchone()[0])
 
 
-@pytest.mark.slow
-def test_database_and_ca_come_back_as_they_were_saved(tmp_path: Path) -> None:
-    (tmp_path / "docker").write_text(DOCKER.format(root=ROOT, folder=tmp_path, python=sys.executable))
-    (tmp_path / "docker").chmod(0o755)
-    (tmp_path / "ca").mkdir()
-    for name in ("ca.key", "ca.crt"):
-        (tmp_path / "ca" / name).write_text(name)
-    database = tmp_path / "laserbot.db"
+def make_database(folder: Path) -> Path:
+    """Of the game, in the folder, beside the `docker` that finds it there."""
+    (folder / "docker").write_text(DOCKER.format(root=ROOT, folder=folder, python=sys.executable))
+    (folder / "docker").chmod(0o755)
+    database = folder / "laserbot.db"
     engine = make_engine(URL.create("sqlite", database=str(database)))
     with engine.begin() as connection:
         versions.prepare(connection)
     engine.dispose()
+    return database
+
+
+@pytest.mark.slow
+def test_the_database_is_saved_before_another_image(tmp_path: Path) -> None:
+    make_database(tmp_path)
+    own = {"master_data": tmp_path, "fleet_container_user": os.getuid()}
+    play("keep", tmp_path, master_image="webserver", **own)
+    assert list((tmp_path / "backups").iterdir()) == [], "it runs already"
+    play("keep", tmp_path, master_image="another", **own)
+    assert len(list((tmp_path / "backups").glob("laserbot-*.db"))) == 1
+
+
+@pytest.mark.slow
+def test_database_and_ca_come_back_as_they_were_saved(tmp_path: Path) -> None:
+    (tmp_path / "ca").mkdir()
+    for name in ("ca.key", "ca.crt"):
+        (tmp_path / "ca" / name).write_text(name)
+    database = make_database(tmp_path)
     mark(database, 7)
     play("backup", tmp_path)
     saved = tmp_path / "saved" / "evening.tar"

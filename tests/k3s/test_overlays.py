@@ -26,6 +26,7 @@ VERSIONS = [
 KINDS = {
     "v1": {"Namespace", "ServiceAccount", "ConfigMap", "Service", "PersistentVolumeClaim"},
     "apps/v1": WORKLOADS,
+    "batch/v1": {"CronJob"},
     "policy/v1": {"PodDisruptionBudget"},
 }
 IMAGES = ("webserver", "rosberry", "sim")

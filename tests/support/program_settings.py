@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from laser_bot_battle.names import ROS_PORT, WATCHED
-from laser_bot_battle.variables import LOG_FORMAT, LOG_LEVEL
+from laser_bot_battle.variables import BACKUPS, LOG_FORMAT, LOG_LEVEL
 from robot.camera.settings import VARIABLES as CAMERA
 from robot.camera.settings import CameraSettings
 from robot.settings import Settings as RobotSettings
@@ -13,6 +13,7 @@ from server.camera.settings import Settings as RelaySettings
 from server.front.settings import FrontSettings
 from server.program.program import ProgramSettings as MasterProgramSettings
 from server.rosbridge.settings import Settings as RosbridgeSettings
+from server.store.location import database_url
 from server.web.settings import Settings as WebSettings
 from sim.arena.settings import Settings as ArenaSettings
 from sim.bot_settings import Settings as BotSettings
@@ -54,6 +55,7 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.camera": (RelaySettings.from_env, lambda found: _ports(found, "relay"), ROS),
     "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
+    "server.store": (lambda environ: (database_url(environ), BACKUPS.read(environ)), lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
     "robot.camera": (
         CameraSettings.from_env,

@@ -294,6 +294,19 @@ DATABASE: Variable[str] = Variable(
     "`laserbot.db`",
     is_secret=True,
 )
+BACKUPS = whole(
+    "LASERBOT_BACKUPS",
+    14,
+    1,
+    1000,
+    "how many [backups](results.md#back-up-and-restore) stay: each new one deletes the oldest beyond that",
+)
+BACKUP_VOLUME = words(
+    "LASERBOT_BACKUP_VOLUME",
+    "",
+    "where compose's service `backup` writes them: a folder, by an absolute path, that the user 10001 may write to",
+    "a volume of its own",
+)
 ROSTER: Variable[dict[str, int]] = Variable(
     "LASERBOT_ROSTER",
     {},

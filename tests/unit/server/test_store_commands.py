@@ -13,6 +13,7 @@ from sqlalchemy import URL
 from server.store.clocks import Clocks
 from server.store.database import Database
 from tests.support.polling import until
+from tests.support.ports import free_port
 from tests.support.programs import ROOT
 
 
@@ -173,12 +174,16 @@ def test_a_backup_that_fails_leaves_what_was_there(writer, command, file, tmp_pa
     assert b"there is no database" in command("backup", saved).stderr
 
 
-def test_another_database_has_its_own_tools(command):
-    for what in ("backup", "restore"):
-        done = command(what, "x", env={"LASERBOT_DATABASE": "postgresql://u:secret@db/game"})
+def test_a_server_that_does_not_answer_is_named_without_its_password(command, writer, tmp_path):
+    address = f"127.0.0.1:{free_port()}"
+    command("backup", tmp_path / "evening.db")
+    for words in (("backup", tmp_path / "new.db"), ("keep", tmp_path), ("restore", tmp_path / "evening.db")):
+        done = command(*words, env={"LASERBOT_DATABASE": f"postgresql://u:secret@{address}/game"})
         assert done.returncode == 1
-        assert b"pg_dump" in done.stderr
+        assert address.encode() in done.stderr
         assert b"secret" not in done.stderr
+        assert done.stderr.count(b"\n") == 1
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".lock", "data", "evening.db"]
 
 
 def test_help_and_a_wrong_command(command):
