@@ -165,7 +165,7 @@ class Referee:
         OK and the player. Without such a robot, or while others wait: with `wait` QUEUED and who is waiting now, else
         NO_ROBOTS or ROBOT_UNAVAILABLE. NAME_TAKEN, NAME_BANNED and NAME_UNWANTED go before both. Who signs up again
         with the session that the page has already (`old_session`) keeps everything; with another name, the old one is
-        signed out, since the page forgets its session. `address` stands for the page's.
+        signed out, since the page has no use for it. `address` stands for the page's.
         """
         self.tick(now)
         known = self._named(name)
@@ -183,11 +183,11 @@ class Referee:
         robot = next(iter(seats.robots_for(name, self._state, self._rules, wanted)), None)
         if robot is None and not (wait and seats.has_room(self._state, address)):
             return (Verdict.NO_ROBOTS if wanted is None else Verdict.ROBOT_UNAVAILABLE), None
+        old = self._of_session(old_session) if old_session else None  # before: the new one may have the same session
         if robot is None:
             self._decide(events.Queued(name, session, avatar, address), now)
         else:
             self._decide(events.SignedUp(name, robot.id, session, avatar, address), now)
-        old = self._of_session(old_session) if old_session else None
         if old is not None:
             self._remove(old.name, f"{AGAIN}{name}", now)
         self._settle_seats(now)

@@ -25,7 +25,8 @@ from server.game.people import MAX_NAME
 from server.game.referee import Verdict
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.users import AVATARS, is_reserved_name, is_valid_name
-from server.web.visitors import SignUps, is_secure, visitor_address, visitor_mark
+from server.web.sessions import brought_token, end_session, give_session, remember_name
+from server.web.visitors import SignUps, visitor_address, visitor_mark
 
 API = "api"  # the blueprint's name
 
@@ -69,7 +70,7 @@ def _add_sign_up(api: Blueprint, game: GameLoop) -> None:
         seconds = math.ceil(sign_ups.wait(name))
         if seconds:
             return _too_fast(f"too many sign-ups from your address: again in {seconds} s", seconds)
-        token = secrets.token_urlsafe(32)
+        token = brought_token() or secrets.token_urlsafe(32)
         verdict, who = game.sign_up(
             name,
             session_digest(token),
@@ -91,7 +92,8 @@ def _add_sign_up(api: Blueprint, game: GameLoop) -> None:
             return reply(status="UNAVAILABLE" if verdict is Verdict.NAME_TAKEN else "NO_ROBOTS", user=name)
         response = reply(**_seat(who))
         if who.session == session_digest(token):  # else the page has its cookie already
-            response.set_cookie(SESSION_COOKIE, token, httponly=True, secure=is_secure(), samesite="Lax", path="/")
+            give_session(response, token)
+        remember_name(response, name, int(avatar))
         return response
 
 
@@ -107,7 +109,7 @@ def _add_seats(api: Blueprint, game: GameLoop) -> None:
         if verdict is Verdict.NOT_YOURS:
             _refuse(403, "only that user can sign out", status="FAILED", user=name)
         response = reply(status="OK", user=name)
-        response.delete_cookie(SESSION_COOKIE, path="/", httponly=True, samesite="Lax")
+        end_session(response)
         return response
 
     @api.post("/takeRobot")

@@ -17,7 +17,8 @@ from server.web.api import API, create_api, reply, session_of
 from server.web.assets import asset, compress_page
 from server.web.hosts import as_asked, request_host, with_valid_host
 from server.web.routes import OwnRoutes
-from server.web.settings import Settings
+from server.web.sessions import DOMAIN
+from server.web.settings import PageSettings, Settings
 from server.web.visitors import PROXIES, VISITOR, watch_addresses
 from server.web.words import add_words
 
@@ -46,11 +47,12 @@ def create_app(game: GameLoop, settings: Settings, *more: Blueprint, pages: WSGI
     return app
 
 
-def create_base(settings: Settings, *routes: Blueprint) -> Flask:
+def create_base(settings: PageSettings, *routes: Blueprint) -> Flask:
     """An application with these routes, and the rules that hold for every request."""
     own = PageAddresses(None, settings.origins)
     app = Flask(__name__, static_folder=None)
     app.config[PROXIES] = settings.proxies
+    app.config[DOMAIN] = settings.domain
     app.jinja_env.globals["asset"] = asset
     add_words(app)
     for blueprint in routes:
@@ -63,6 +65,7 @@ def create_base(settings: Settings, *routes: Blueprint) -> Flask:
             "rosbridge_port": settings.rosbridge_port,
             "relay_port": settings.relay_port,
             "view_port": settings.view_port,
+            "domain": settings.domain,
         }
 
     @app.before_request
@@ -125,13 +128,14 @@ def create_base(settings: Settings, *routes: Blueprint) -> Flask:
     return app
 
 
-def _page_policy(settings: Settings, host: str) -> str:
+def _page_policy(settings: PageSettings, host: str) -> str:
     """What a page may do: open WebSockets to rosbridge and the cameras' relay, and show the arena's view, on the host
     that it came from, or at the one address that the front has for all. A proxy may not tell which that is."""
     hosts = [host, *(origin.partition("://")[2] for origin in settings.origins)]
     names = list(dict.fromkeys(policy_source(host) for host in hosts))
-    sources = [f"{name}:{port}" for name, _ in names for port in (settings.rosbridge_port, settings.relay_port)]
-    if FRONT_HEADER in request.headers:
+    ports = [port for port in (settings.rosbridge_port, settings.relay_port) if port]
+    sources = [f"{name}:{port}" for name, _ in names for port in ports]
+    if ports and FRONT_HEADER in request.headers:
         sources = [name + port for name, port in names]  # older browsers' 'self' has no WebSockets
     sockets = [f"{scheme}://{source}" for source in dict.fromkeys(sources) for scheme in ("ws", "wss")]
     views = [f"{scheme}://{name}:{settings.view_port}" for name, _ in names for scheme in ("http", "https")]

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, Protocol, Self
 
 from sqlalchemy import URL
 
@@ -23,6 +23,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.RELAY,
     variables.VIEW,
     variables.ORIGINS,
+    variables.DOMAIN,
     variables.PROXIES,
     *DECLARED.values(),
     variables.OPERATOR_TOKEN,
@@ -40,6 +41,23 @@ VARIABLES: tuple[Variable[Any], ...] = (
 )
 
 
+class PageSettings(Protocol):
+    """What every program with pages must know of its surroundings."""
+
+    @property
+    def rosbridge_port(self) -> int: ...  # 0: its pages open no WebSocket
+    @property
+    def relay_port(self) -> int: ...
+    @property
+    def view_port(self) -> int | None: ...
+    @property
+    def origins(self) -> tuple[str, ...]: ...
+    @property
+    def domain(self) -> str: ...
+    @property
+    def proxies(self) -> tuple[Network, ...]: ...
+
+
 @dataclass(frozen=True)
 class Settings:
     """What an operator can choose about the web server."""
@@ -49,6 +67,7 @@ class Settings:
     relay_port: int  # of the cameras' pictures
     view_port: int | None  # of an arena's view, on the host that serves the page; None: there is none to show
     origins: tuple[str, ...]  # further addresses of the pages
+    domain: str  # of arenas that share their players' sessions; "": this one shares nothing
     proxies: tuple[Network, ...]
     data: Path
     database: URL
@@ -69,6 +88,7 @@ class Settings:
             relay_port=variables.RELAY.read(environ),
             view_port=variables.VIEW.read(environ),
             origins=variables.ORIGINS.read(environ),
+            domain=variables.DOMAIN.read(environ),
             proxies=believed(environ),
             data=data_folder(environ),
             database=database,

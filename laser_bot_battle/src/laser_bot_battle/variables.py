@@ -90,6 +90,12 @@ def _origins(text: str) -> tuple[str, ...]:
     return origins
 
 
+def _domain(text: str) -> str:
+    if not re.fullmatch(r"\*|[a-z0-9-]+(\.[a-z0-9-]+)*", text.lower()):
+        raise ValueError("must be a domain such as arena.example, or *")
+    return text.lower()
+
+
 def _networks(text: str) -> tuple[IPv4Network | IPv6Network, ...]:
     try:
         return tuple(ip_network(word) for word in text.split())
@@ -193,6 +199,14 @@ ORIGINS: Variable[tuple[str, ...]] = Variable(
     _origins,
     "none",
     pattern=r"(?i)(https?://[^\s/]+(\s+|$))*",
+)
+DOMAIN: Variable[str] = Variable(
+    "LASERBOT_DOMAIN",
+    "",
+    "what [several arenas and their entrance](scale.md) have in common, so that a player has one name and one session "
+    "in all: a domain such as `arena.example`; `*`: the host by which each is asked, where they differ by port",
+    _domain,
+    "none: each arena on its own",
 )
 PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
     "LASERBOT_PROXIES",

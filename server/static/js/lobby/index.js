@@ -8,6 +8,7 @@ import * as dialogs from "../common/dialogs.js";
 import { setText } from "../common/dom.js";
 import { help } from "../common/help.js";
 import { vibrate } from "../common/jolt.js";
+import { knownName, playOnce } from "../common/known_name.js";
 import { OfferCall } from "./call.js";
 import { isValidName, loginDialog, tidyName } from "./login.js";
 import { connectAsking, notify } from "./notices.js";
@@ -38,7 +39,8 @@ const take = document.getElementById("take");
 const speaker = new Speaker(new Preferences());
 const call = new OfferCall({ speaker, vibrate, page: document, notify });
 
-let avatar = Math.floor(Math.random() * storage.AVATARS);
+const guest = knownName(document.cookie); // of another arena or the entrance
+let avatar = guest ? guest.avatar % storage.AVATARS : Math.floor(Math.random() * storage.AVATARS);
 let entered = false; // the page goes
 let busy = false;
 let tournament = null; // of whoever waits
@@ -131,6 +133,11 @@ async function offerRestore() {
   }
   if (session.status !== "OK") {
     storage.forget();
+    if (guest?.plays) form.requestSubmit();
+    return;
+  }
+  if (guest?.plays) {
+    enter(session);
     return;
   }
   setText(document.getElementById("restore-title"), t("login.restore", { name: session.user }));
@@ -222,6 +229,8 @@ function openArena() {
   });
 }
 
+if (guest) nameField.value = guest.name;
+if (guest?.plays) playOnce(document.querySelector("meta[name=domain]")?.content);
 connectPreferences();
 connectAsking(document.getElementById("tell"), document.getElementById("told"));
 speaker.listen(window);
