@@ -11,11 +11,11 @@ import { build } from "esbuild";
 const ROOT = dirname(fileURLToPath(import.meta.url));
 const BUNDLE = `${ROOT}/bundle`;
 const SCRIPTS = [
-  "common/text_page", "desk/operator", "game/home", "game/pulse", "lobby/index", "lobby/second", "results/results", "results/tournament",
+  "common/text_page", "desk/operator", "entrance/index", "game/home", "game/pulse", "lobby/index", "lobby/second", "results/results", "results/tournament",
   "watch/watch",
 ];
 const STYLES = [
-  "about", "camera", "common", "controls", "error", "feed", "guide", "hits", "home", "hud", "keys", "lobby", "login", "operator",
+  "about", "camera", "common", "controls", "entrance", "error", "feed", "guide", "hits", "home", "hud", "keys", "lobby", "login", "operator",
   "own_camera", "podium", "results", "teams", "touch", "tournament", "watch",
 ];
 const AVATARS = [0, 1, 2, 3, 4].map((number) => `avatar${number}.svg`);

@@ -10,6 +10,7 @@ from robot.camera.settings import CameraSettings
 from robot.settings import Settings as RobotSettings
 from server.announcer.settings import Settings as AnnouncerSettings
 from server.camera.settings import Settings as RelaySettings
+from server.entrance.settings import Settings as EntranceSettings
 from server.front.settings import FrontSettings
 from server.program.program import ProgramSettings as MasterProgramSettings
 from server.rosbridge.settings import Settings as RosbridgeSettings
@@ -54,6 +55,7 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: _ports(found, "rosbridge"), ROS),
     "server.camera": (RelaySettings.from_env, lambda found: _ports(found, "relay"), ROS),
     "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
+    "server.entrance": (EntranceSettings.from_env, lambda found: {found.port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
     "server.store": (lambda environ: (database_url(environ), BACKUPS.read(environ)), lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),

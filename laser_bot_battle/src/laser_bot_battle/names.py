@@ -15,6 +15,7 @@ ROSBRIDGE_PORT = 9090
 ROS_PORT = 11311
 ROSSERIAL_PORT = 11411  # where boards with Wi-Fi connect, as with upstream's rosserial_server
 RELAY_PORT = 9091  # of the cameras' relay
+ENTRANCE_PORT = 5010  # of the page that leads to several arenas
 CAMERA_STREAM_PORT = 8090  # on a robot
 # programs that tell how they are, each on a port of its own, in this order (docs/monitoring.md)
 WATCHED = ("web", "rosbridge", "relay", "arena")

@@ -10,8 +10,10 @@ from ipaddress import IPv4Network, IPv6Network, ip_network
 from pathlib import Path
 
 from laser_bot_battle.announcement import MAX_OWN_NAME
+from laser_bot_battle.arena_list import ListedArena, read_arenas
 from laser_bot_battle.names import (
     CAMERA_STREAM_PORT,
+    ENTRANCE_PORT,
     METRICS_PORT,
     RELAY_PORT,
     ROBOT_IDS,
@@ -207,6 +209,15 @@ DOMAIN: Variable[str] = Variable(
     "in all: a domain such as `arena.example`; `*`: the host by which each is asked, where they differ by port",
     _domain,
     "none: each arena on its own",
+)
+ENTRANCE = port("LASERBOT_ENTRANCE_PORT", ENTRANCE_PORT, "[the entrance](scale.md) to several arenas")
+ARENAS: Variable[tuple[ListedArena, ...]] = Variable(
+    "LASERBOT_ARENAS",
+    (),
+    "the arenas that the entrance leads to: a name, where browsers find it (a port of the entrance's own host, or an "
+    "address), and if it differs where the entrance asks, such as `red=:30510 blue=https://blue.example@10.0.0.7:5000`",
+    read_arenas,
+    "none",
 )
 PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
     "LASERBOT_PROXIES",

@@ -1,0 +1,103 @@
+"""Asks each arena how it is, again and again: beside one another, so that one that is slow, silent or endless holds up
+no other."""
+
+import asyncio
+import logging
+import ssl
+import threading
+from collections.abc import Callable, Sequence
+from functools import cache
+from urllib.parse import urlsplit
+
+from laser_bot_battle.arena_list import ListedArena
+from server.entrance.seen import MAX_SIZE, Seen, read_seen
+
+PERIOD = 2.0  # s between two questions to an arena
+WITHIN = 2.0  # s for a whole answer
+_AT_ONCE = 50  # questions
+_PATH = "/watch.json"
+_MAX_HEAD = 16 * 1024  # bytes
+
+_log = logging.getLogger(__name__)
+
+
+async def ask(origin: str, within: float = WITHIN) -> Seen:
+    """How the arena at `origin` (http://host:port) is. OSError (TimeoutError among them) or ValueError: it cannot be
+    known."""
+    url = urlsplit(origin)
+    is_secure = url.scheme == "https"
+    async with asyncio.timeout(within):
+        reader, writer = await asyncio.open_connection(
+            url.hostname, url.port or (443 if is_secure else 80), ssl=_trust() if is_secure else None
+        )
+        try:
+            # by HTTP/1.0 the answer ends with the connection: there is no framing to be cheated with
+            writer.write(f"GET {_PATH} HTTP/1.0\r\nHost: {url.netloc}\r\nAccept: application/json\r\n\r\n".encode())
+            return read_seen(_body(await _all(reader)))
+        finally:
+            writer.transport.abort()  # whoever does not close it does not keep it
+
+
+@cache
+def _trust() -> ssl.SSLContext:
+    """The authorities that this machine trusts; to read them takes longer than an answer."""
+    return ssl.create_default_context()
+
+
+async def _all(reader: asyncio.StreamReader) -> bytes:
+    found = b""
+    while piece := await reader.read(1 << 16):
+        found += piece
+        if len(found) > MAX_SIZE + _MAX_HEAD:
+            raise ValueError(f"its answer has more than {MAX_SIZE} bytes")
+    return found
+
+
+def _body(answer: bytes) -> bytes:
+    head, _, body = answer.partition(b"\r\n\r\n")
+    status = head.partition(b"\r\n")[0].split(b" ")
+    if len(status) < 2 or not status[0].startswith(b"HTTP/1.") or status[1] != b"200":
+        raise ValueError(f"it answers {head[:60]!r}")
+    return body
+
+
+class Watcher:
+    """Tells `hear` what the arena of a name has said."""
+
+    def __init__(self, arenas: Sequence[ListedArena], hear: Callable[[str, Seen], None]) -> None:
+        self._arenas, self._hear = arenas, hear
+        self._away: dict[str, str] = {}  # why, by name
+        self._ending = threading.Event()
+
+    def run(self) -> None:
+        """Until `stop`. For a thread of its own."""
+        asyncio.run(self._watch())
+
+    def stop(self) -> None:
+        self._ending.set()
+
+    async def _watch(self) -> None:
+        turns = asyncio.Semaphore(_AT_ONCE)
+        async with asyncio.TaskGroup() as group:
+            for place, arena in enumerate(self._arenas):
+                group.create_task(self._follow(arena, PERIOD * place / len(self._arenas), turns))
+
+    async def _follow(self, arena: ListedArena, first: float, turns: asyncio.Semaphore) -> None:
+        await asyncio.sleep(first)  # not all at the same moment
+        while not self._ending.is_set():
+            async with turns:
+                await self._ask(arena)
+            await asyncio.sleep(PERIOD)
+
+    async def _ask(self, arena: ListedArena) -> None:
+        try:
+            seen = await ask(arena.inside)
+        except (OSError, ValueError) as error:
+            reason = str(error) or f"no whole answer within {WITHIN:g} s"
+            if arena.name not in self._away:
+                _log.warning("%s at %s is away: %s", arena.name, arena.inside, reason)
+            self._away[arena.name] = reason
+        else:
+            if self._away.pop(arena.name, None):
+                _log.info("%s at %s is back", arena.name, arena.inside)
+            self._hear(arena.name, seen)

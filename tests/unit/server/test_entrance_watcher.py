@@ -1,0 +1,121 @@
+"""The entrance asks arenas by real sockets: none of them can hold it up, and none is believed too much."""
+
+import asyncio
+import contextlib
+import json
+import threading
+
+import pytest
+
+from laser_bot_battle.arena_list import ListedArena
+from laser_bot_battle.names import Game
+from server.entrance.seen import MAX_SIZE
+from server.entrance.watcher import Watcher, ask
+from tests.support.polling import until
+
+STATE = json.dumps({"game": 0, "available_robots": 2, "users": [], "queue": [], "tournament": 0}).encode()
+HEAD = b"HTTP/1.1 200 OK\r\nContent-Type: application/json\r\n\r\n"
+
+
+async def ask_one(answer, within=5.0):
+    """What becomes of a question to an arena that does `answer(writer)`."""
+    asked = []
+
+    async def serve(reader, writer):
+        asked.append(await reader.readuntil(b"\r\n\r\n"))
+        with contextlib.suppress(OSError, asyncio.CancelledError):
+            await answer(writer)
+        writer.close()
+
+    async with await asyncio.start_server(serve, "127.0.0.1", 0) as server:
+        port = server.sockets[0].getsockname()[1]
+        seen = await ask(f"http://127.0.0.1:{port}", within)
+        return seen, asked[0], port
+
+
+def sends(*pieces):
+    async def answer(writer):
+        for piece in pieces:
+            writer.write(piece)
+            await writer.drain()
+
+    return answer
+
+
+def test_an_arena_that_answers_is_heard():
+    seen, asked, port = asyncio.run(ask_one(sends(HEAD, STATE[:10], STATE[10:])))
+    assert (seen.game, seen.free) == (Game.STOPPED, 2)
+    assert asked.startswith(b"GET /watch.json HTTP/1.0\r\n")
+    assert f"Host: 127.0.0.1:{port}\r\n".encode() in asked
+
+
+@pytest.mark.parametrize(
+    "pieces",
+    [
+        (),
+        (b"\r\n\r\n",),
+        (b"SSH-2.0-OpenSSH\r\n",),
+        (b"HTTP/1.1 302 Found\r\nLocation: http://evil.example/\r\n\r\n", STATE),
+        (b"HTTP/1.1 503 Service Unavailable\r\n\r\n", STATE),
+        (HEAD, STATE[:-3]),
+        (HEAD, b"null"),
+        (HEAD, b" " * (MAX_SIZE + 32 * 1024), STATE),
+    ],
+)
+def test_what_is_no_answer_of_an_arena_is_none(pieces):
+    with pytest.raises((ValueError, OSError)):
+        asyncio.run(ask_one(sends(*pieces)))
+
+
+def test_an_arena_that_drips_has_no_longer_than_one_that_is_silent():
+    async def drip(writer):
+        while True:
+            writer.write(b" ")
+            await writer.drain()
+            await asyncio.sleep(0.01)
+
+    async def say_nothing(writer):
+        await asyncio.sleep(60)
+
+    for answer in (drip, say_nothing):
+        with pytest.raises(TimeoutError):
+            asyncio.run(ask_one(answer, 0.2))
+
+
+def test_a_silent_arena_holds_up_no_other():
+    """The second is heard while the question to the first still waits."""
+    heard = threading.Event()
+    ports: list[int] = []
+
+    async def serve_both(started, done):
+        async def stay(reader, writer):
+            await asyncio.to_thread(done.wait)
+            writer.close()
+
+        async def tell(reader, writer):
+            await reader.readuntil(b"\r\n\r\n")
+            writer.write(HEAD + STATE)
+            await writer.drain()
+            writer.close()
+
+        one, two = [await asyncio.start_server(serve, "127.0.0.1", 0) for serve in (stay, tell)]
+        async with one, two:
+            ports.extend(server.sockets[0].getsockname()[1] for server in (one, two))
+            started.set()
+            await asyncio.to_thread(done.wait)
+
+    started, done = threading.Event(), threading.Event()
+    serving = threading.Thread(target=lambda: asyncio.run(serve_both(started, done)))
+    serving.start()
+    assert started.wait(20)
+    silent, well = (ListedArena(f"at {port}", ":1", f"http://127.0.0.1:{port}") for port in ports)
+    watcher = Watcher([silent, well], lambda name, seen: heard.set() if name == well.name else None)
+    watching = threading.Thread(target=watcher.run)
+    watching.start()
+    try:
+        until(heard.is_set, 20, "the other arena is heard")
+    finally:
+        watcher.stop()
+        done.set()
+        watching.join()
+        serving.join()
