@@ -98,6 +98,6 @@ def test_a_real_name_is_one_of_the_games_to_all_programs(customize: Customize) -
 
 
 def test_each_arena_can_have_a_front_of_its_own(customize: Customize) -> None:
-    manifests = customize("arenas/red", "front", namespace="laserbot-red")
+    manifests = customize("arenas/made/red", "front", namespace="laserbot-red")
     assert {item["metadata"].get("namespace", "laserbot-red") for item in manifests.objects} == {"laserbot-red"}
     assert settings_of(manifests).view_host == ARENA

@@ -1,0 +1,251 @@
+#!/usr/bin/env python3
+"""Makes the kustomizations of several arenas, and the list that their entrance reads, from a file of a few lines each.
+
+    k3s/arenas.py k3s/overlays/arenas     then kubectl apply -k k3s/overlays/arenas
+
+FOLDER/red.yaml is the arena red (k3s/README.md); FOLDER/made is written anew. What is wrong is told in one line, and
+nothing is written then.
+"""
+
+import argparse
+import difflib
+import json
+import os
+import re
+import shutil
+import sys
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import takewhile
+from pathlib import Path
+from typing import Any
+
+try:
+    import yaml
+except ImportError:
+    sys.exit("k3s/arenas.py: PyYAML is missing: apt-get install python3-yaml")
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE.parent), str(HERE.parent / "laser_bot_battle/src")]
+
+from laser_bot_battle.arena_list import read_arenas  # noqa: E402 - the path has to be there first
+from laser_bot_battle.settings import SettingsError  # noqa: E402
+from server.game.rules import DECLARED  # noqa: E402
+
+MADE = "made"
+PORTS = range(30000, 32768)  # what Kubernetes gives to Services
+ENTRANCE_PORT = 30505  # k3s/components/entrance
+USES = ("web", "rosbridge", "view", "relay")  # in the order of an arena's ports
+_RULES = {variable.name: variable for variable in DECLARED.values()}
+_FIELDS = ("namespace", "port", "host", "rules", "robots", "bots")
+_LABEL = r"[a-z0-9](?:[a-z0-9-]*[a-z0-9])?"
+_NAME = re.compile(rf"(?=.{{1,40}}$){_LABEL}")
+_NAMESPACE = re.compile(rf"(?=.{{1,63}}$){_LABEL}")
+_HOST = re.compile(rf"(?=.{{1,253}}$){_LABEL}(?:\.{_LABEL})+")
+_HEAD = "---\n# Made by k3s/arenas.py from {source}: change that, and run it again.\n"
+
+
+class WrongError(Exception):
+    """What is wrong with which file, in one line."""
+
+
+@dataclass(frozen=True)
+class Arena:
+    """What its file says."""
+
+    name: str
+    namespace: str
+    port: int | None  # the first of its four, on every node's address
+    host: str  # in place of ports
+    settings: tuple[str, ...]
+    replicas: tuple[tuple[str, int], ...]
+
+    @property
+    def ports(self) -> range:
+        return range(self.port, self.port + len(USES)) if self.port else range(0)
+
+    @property
+    def listed(self) -> str:
+        """For LASERBOT_ARENAS."""
+        public = f":{self.port}" if self.port else f"https://{self.host}"
+        return f"{self.name}={public}@master.{self.namespace}:5000"
+
+
+def main(words: Sequence[str] | None = None) -> int:
+    """Exit code 0 when the folder is written, 1 when a file is wrong."""
+    parser = argparse.ArgumentParser("k3s/arenas.py", description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("folder", type=Path, help="with a file for each arena, such as red.yaml")
+    folder = parser.parse_args(words).folder
+    try:
+        arenas = read(folder)
+        write(arenas, folder)
+    except (WrongError, OSError) as error:
+        print(f"k3s/arenas.py: {error}", file=sys.stderr)
+        return 1
+    domain = common_domain(arenas)
+    shared = f"share players' sessions by {domain}" if domain else "share no sessions: they have no common domain"
+    print(f"{folder / MADE}: {len(arenas)} arenas, which {shared}")
+    return 0
+
+
+def read(folder: Path) -> list[Arena]:
+    """The arenas by their names. WrongError."""
+    files = sorted(file for file in folder.glob("*.yaml") if file.name != "kustomization.yaml")
+    if not files:
+        raise WrongError(f"{folder} has no file of an arena, such as red.yaml")
+    arenas = [_arena(file) for file in files]
+    _refuse_shared(arenas, lambda arena: [arena.namespace], "namespace")
+    _refuse_shared(arenas, lambda arena: [arena.host] if arena.host else [], "host")
+    _refuse_shared(arenas, lambda arena: arena.ports, "port")
+    read_arenas(" ".join(arena.listed for arena in arenas))
+    return arenas
+
+
+def common_domain(arenas: Sequence[Arena]) -> str:
+    """For LASERBOT_DOMAIN; "": there is none."""
+    if all(arena.port for arena in arenas):
+        return "*"
+    if any(arena.port for arena in arenas):
+        return ""
+    above = [arena.host.split(".")[:0:-1] for arena in arenas]  # the last label first, and without the host's own
+    common = [each[0] for each in takewhile(lambda each: len({*each}) == 1, zip(*above, strict=False))]
+    return ".".join(reversed(common)) if len(common) > 1 else ""
+
+
+def write(arenas: Sequence[Arena], folder: Path) -> None:
+    """Each arena's kustomization, and one of all."""
+    made = folder / MADE
+    if made.exists() and not (made / "kustomization.yaml").exists():
+        raise WrongError(f"{made} is not what this program has made: it is left alone")
+    shutil.rmtree(made, ignore_errors=True)
+    domain = common_domain(arenas)
+    listed = " ".join(arena.listed for arena in arenas)
+    _write(
+        made,
+        "the files beside this folder",
+        [
+            "resources:",
+            *(f"  - {arena.name}" for arena in arenas),
+            "configMapGenerator:",
+            "  - name: arenas # for components/entrance",
+            "    literals:",
+            f"      - {_text(f'list={listed}')}",
+            f"      - {_text(f'domain={domain}')}",
+            '    options: {annotations: {config.kubernetes.io/local-config: "true"}} # only kustomize reads it',
+        ],
+    )
+    for arena in arenas:
+        _write(made / arena.name, f"{arena.name}.yaml", _kustomization(arena, domain, _way(made / arena.name)))
+
+
+def _arena(file: Path) -> Arena:
+    def wrong(what: str) -> WrongError:
+        return WrongError(f"{file}: {what}")
+
+    if not _NAME.fullmatch(file.stem):
+        raise wrong("an arena's name, which its file has, is of small letters, digits and -, at most 40")
+    try:
+        told = yaml.safe_load(file.read_text())
+    except (yaml.YAMLError, UnicodeDecodeError) as error:
+        raise wrong(" ".join(str(error).split())) from None
+    if not isinstance(told, dict):
+        raise wrong("it must have lines such as namespace: laserbot-red and port: 30510")
+    for field in told:
+        if field not in _FIELDS:
+            nearest = difflib.get_close_matches(str(field), _FIELDS, 1)
+            raise wrong(f"there is no {field}{f'; the nearest is {nearest[0]}' if nearest else ''}")
+    namespace, port, host = told.get("namespace"), told.get("port"), told.get("host")
+    if not isinstance(namespace, str) or not _NAMESPACE.fullmatch(namespace):
+        raise wrong("namespace must be of small letters, digits and -, at most 63")
+    if (port is None) == (host is None):
+        raise wrong("it must have either a port or a host")
+    if port is not None and (type(port) is not int or port not in PORTS or port + len(USES) - 1 not in PORTS):
+        raise wrong(f"port must be from {PORTS[0]} to {PORTS[-len(USES)]}: the next three are the arena's, too")
+    if port is not None and ENTRANCE_PORT in range(port, port + len(USES)):
+        raise wrong(f"port {ENTRANCE_PORT} is the entrance's")
+    if host is not None and (not isinstance(host, str) or not _HOST.fullmatch(host)):
+        raise wrong("host must be a name such as red.arena.example")
+    try:
+        return Arena(file.stem, namespace, port, host or "", _settings(told.get("rules")), _replicas(told))
+    except ValueError as error:
+        raise wrong(str(error)) from None
+
+
+def _settings(rules: Any) -> tuple[str, ...]:
+    if not isinstance(rules or {}, dict):
+        raise ValueError("rules must be like {LASERBOT_HIT_DAMAGE: 20}")
+    for name, value in (rules or {}).items():
+        if name not in _RULES:
+            nearest = difflib.get_close_matches(str(name), _RULES, 1)
+            raise ValueError(f"there is no rule {name}{f'; the nearest is {nearest[0]}' if nearest else ''}")
+        try:
+            _RULES[name].read({name: str(value)})
+        except SettingsError as error:
+            raise ValueError(str(error)) from None
+    return tuple(f"{name}={value}" for name, value in (rules or {}).items())
+
+
+def _replicas(told: dict[str, Any]) -> tuple[tuple[str, int], ...]:
+    found = []
+    for field, workload, lowest in (("robots", "robot", 1), ("bots", "bot", 0)):
+        count = told.get(field)
+        if count is None:
+            continue
+        if type(count) is not int or not lowest <= count <= 128:
+            raise ValueError(f"{field} must be a whole number from {lowest} to 128")
+        found.append((workload, count))
+    return tuple(found)
+
+
+def _refuse_shared(arenas: Iterable[Arena], has: Callable[[Arena], Iterable[object]], what: str) -> None:
+    owners: dict[object, str] = {}
+    for arena in arenas:
+        for one in has(arena):
+            if one in owners:
+                raise WrongError(f"{arena.name}.yaml and {owners[one]}.yaml have the same {what}: {one}")
+            owners[one] = arena.name
+
+
+def _way(folder: Path) -> str:
+    """To this folder, from there: kustomize takes relative paths only."""
+    return os.path.relpath(HERE, folder.resolve())
+
+
+def _kustomization(arena: Arena, domain: str, here: str) -> list[str]:
+    settings = [f"LASERBOT_DOMAIN={domain}"] if domain else []
+    settings += arena.settings
+    components = ["node-ports"] if arena.port else ["ingress", "host-name"]
+    lines = [
+        f"namespace: {arena.namespace}",
+        f"resources: [{here}/overlays/sim]",
+        f"components: [{', '.join(f'{here}/components/{name}' for name in components)}]",
+        "configMapGenerator:",
+    ]
+    if arena.port:
+        ports = ", ".join(f"{use}={port}" for use, port in zip(USES, arena.ports, strict=True))
+        lines.append(f"  - {{name: node-ports, behavior: merge, literals: [{ports}]}}")
+    else:
+        local = '{annotations: {config.kubernetes.io/local-config: "true"}}'
+        lines.append(f"  - {{name: host-name, literals: [host={arena.host}], options: {local}}}")
+    if settings:
+        lines.append(f"  - {{name: settings, behavior: merge, literals: [{', '.join(map(_text, settings))}]}}")
+    if arena.replicas:
+        counts = ", ".join(f"{{name: {name}, count: {count}}}" for name, count in arena.replicas)
+        lines.append(f"replicas: [{counts}]")
+    return lines
+
+
+def _text(text: str) -> str:
+    """As YAML in double quotes."""
+    return json.dumps(text)
+
+
+def _write(folder: Path, source: str, lines: Iterable[str]) -> None:
+    folder.mkdir()
+    kind = ("apiVersion: kustomize.config.k8s.io/v1beta1", "kind: Kustomization")
+    text = "".join(f"{line}\n" for line in (*kind, *lines))
+    (folder / "kustomization.yaml").write_text(_HEAD.format(source=source) + text)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
