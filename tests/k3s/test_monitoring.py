@@ -210,5 +210,5 @@ def test_the_operator_has_the_same_alerts() -> None:
 
 
 def test_each_arena_of_a_cluster_is_watched_in_its_own_namespace(customize: Customize) -> None:
-    manifests = customize("arenas/red", "prometheus-operator", namespace="laserbot-red")
+    manifests = customize("arenas/made/red", "prometheus-operator", namespace="laserbot-red")
     assert {item["metadata"].get("namespace", "laserbot-red") for item in manifests.objects} == {"laserbot-red"}

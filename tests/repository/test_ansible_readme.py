@@ -75,5 +75,5 @@ def test_the_firewall_by_hand_closes_the_ports_of_the_fleets() -> None:
         r"^fleet_ros_port: (.*)$", (ANSIBLE / "roles/fleet/vars/main.yml").read_text(), re.MULTILINE
     )
     for document in ("docs/lan.md", "k3s/README.md"):
-        (rule,) = re.findall(r"^ +iifname .* drop$", (ROOT / document).read_text(), re.MULTILINE)
-        assert f"tcp dport {{ {ros_master}, {ros_nodes} }} ip saddr != " in rule
+        rules = re.findall(r"^ +iifname .* drop$", (ROOT / document).read_text(), re.MULTILINE)
+        assert f"tcp dport {{ {ros_master}, {ros_nodes} }} ip saddr != " in rules[0]

@@ -73,6 +73,7 @@ class ProgramSettings:
     """The settings of the program that `command` starts in `environment`. ValueError: it would refuse them."""
 
     def __init__(self, command: Sequence[str], environment: Mapping[str, str]) -> None:
+        self.settings: Any
         if command[:2] != ["python3", "-m"]:  # avr_robot has options instead
             self.settings, self.variables, self.ports = None, set(), set()
             return

@@ -46,6 +46,7 @@ class Game:
     def fight(self, winner: str, loser: str) -> None:
         """A battle, with where its robots were."""
         self.match.start(winner, loser)
+        self.write()  # the battle, to which the piece belongs
         floor = Floor(2.0, 1.0, ((0.5, 0.0, 0.5, 0.5),))
         self._database.keep_piece(
             Piece(self.match.state.battle, floor, [self.match.now], {0: [(0.5, 0.25, 0.0)], 1: [None]})
