@@ -179,6 +179,18 @@ def _countdown_stopped(event: events.CountdownStopped, state: State, at: float) 
 
 
 @_change.register
+def _held(event: events.Held, state: State, _at: float) -> None:
+    state.held = event
+    if state.game is Game.COUNTDOWN:  # whoever is ready stays so
+        state.game, state.paused_at = Game.STOPPED, None
+
+
+@_change.register
+def _released(_event: events.Released, state: State, _at: float) -> None:
+    state.held = None
+
+
+@_change.register
 def _battle_started(event: events.BattleStarted, state: State, at: float) -> None:
     state.game, state.battle, state.ends_at, state.paused_at = Game.PLAYING, event.battle, at + event.seconds, None
     state.began_at, state.teams, state.happened = at, event.teams, ()

@@ -36,6 +36,7 @@ class UnknownError(RefusedError):
 
 _NO_START = {
     "runs": "a battle is running already",
+    "restart": "a robot or the server is about to restart: wait some seconds",
     "too_few": "a battle takes two players with robots",
     "match": "the match takes both of its players with their robots",
 }
@@ -56,6 +57,8 @@ def why_no_start(state: State) -> str:
     """Why no battle can be started now, one of `_NO_START`; empty if one can."""
     if state.game is Game.PLAYING:
         return "runs"
+    if state.held is not None:
+        return "restart"
     if state.game is Game.COUNTDOWN or len(_fighters(state)) >= 2:
         return ""
     return "match" if state.is_match else "too_few"

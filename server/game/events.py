@@ -187,6 +187,31 @@ class CountdownStopped:
 
 
 @dataclass(frozen=True, slots=True)
+class Held:
+    """No countdown begins: something that a battle needs is about to restart."""
+
+    what: str  # "robot 1", "the server"
+
+    @property
+    def notice(self) -> str:
+        """For the players."""
+        return f"The next battle waits: {self.what} is about to restart."
+
+    def __str__(self) -> str:
+        return f"the next battle waits: {self.what} is about to restart"
+
+
+@dataclass(frozen=True, slots=True)
+class Released:
+    """Countdowns begin again."""
+
+    what: str
+
+    def __str__(self) -> str:
+        return f"battles no longer wait for the restart of {self.what}"
+
+
+@dataclass(frozen=True, slots=True)
 class Fighter:
     """Somebody who takes part in a battle."""
 
@@ -403,6 +428,8 @@ Event = (
     | TeamChosen
     | CountdownStarted
     | CountdownStopped
+    | Held
+    | Released
     | BattleStarted
     | Joined
     | Hit

@@ -76,6 +76,10 @@ class GameLoop:
         with self._event() as now:
             self._referee.robots_linked(linked, now)
 
+    def restarting(self, robot_name: str, address: str, *, is_local: bool = False) -> float:
+        with self._event() as now:
+            return self._referee.restarting(robot_name, address, now, is_local=is_local)
+
     def shot(self, robot_id: int) -> bool:
         with self._event() as now:
             return self._referee.shot(robot_id, now)

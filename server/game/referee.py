@@ -14,7 +14,7 @@ from operator import itemgetter
 from typing import Any
 
 from laser_bot_battle.light_protocol import DAMAGES
-from laser_bot_battle.names import Game, is_bot
+from laser_bot_battle.names import Game, client_name, is_bot
 from server.game import changes, desk, events, seats, tournament_course, tournament_desk, tournament_events, views
 from server.game.events import Event, Recorded
 from server.game.handicap import damage_with
@@ -29,6 +29,7 @@ from server.game.state import State
 from server.game.teams import sides
 from server.game.users import User, Waiting, contains_word, is_same_name
 
+HOLD = 10.0  # s after the last word of somebody who is about to restart, for which no countdown begins
 FRESH = 0.1  # s that the seconds of seats and queue, and the counts of shots, may be old
 
 
@@ -107,6 +108,28 @@ class Referee:
             if robot.linked != (robot.id in linked):
                 self._decide(events.RobotLinked(robot.id, not robot.linked, robot.caller), now)
         self._settle_seats(now)
+
+    def restarting(self, robot_name: str, address: str, now: float, *, is_local: bool = False) -> float:
+        """Something is about to restart: that robot or, with "", the server. Returns how many s it had better wait for
+        the end of its battle at most, and ask again each second; 0: not at all.
+
+        Until it has ended, no countdown begins, and one that runs stops. But any visitor could ask: that is so only if
+        a robot says it of itself, from the address by which it has registered, or a program on this machine.
+        """
+        self.tick(now)
+        state, caller = self._state, client_name(robot_name)
+        robot = next((robot for robot in state.robots if robot_name and robot.caller == caller), None)
+        is_own_word = robot is not None and address != "" and robot.address == address
+        if not (is_own_word or is_local):
+            return state.time_left(now)
+        if robot is None and robot_name:
+            return 0.0
+        if state.held is None:
+            self._decide(events.Held(f"robot {robot.id}" if robot else "the server"), now)
+        state.held_until = now + HOLD
+        self._due = min(self._due, state.held_until)
+        fights = robot is None or any(user.robot == robot.id for user in state.users.get_users_ready())
+        return max(1.0, state.time_left(now)) if state.game is Game.PLAYING and fights else 0.0
 
     def shot(self, robot_id: int, now: float) -> bool:
         """A robot was told to shoot; whether that is a shot of a living fighter."""
@@ -313,6 +336,8 @@ class Referee:
             yield state.ends_at, self._start_battle
         elif state.game is Game.PLAYING:
             yield state.ends_at, partial(self._end_battle, cause=TIME_LIMIT)
+        if state.held is not None:
+            yield state.held_until, partial(self._release, state.held)
         if absence := tournament_course.no_show(state):
             yield absence[0], partial(self._decide_absence, absence[1])
         for robot in state.robots:
@@ -352,12 +377,16 @@ class Referee:
         """Follow a change of who is ready or alive; `cause` is what to tell people if something ends by it."""
         users = self._state.users
         ready = users.get_users_ready()
-        if self._state.game is Game.STOPPED and len(ready) >= 2:
+        if self._state.game is Game.STOPPED and len(ready) >= 2 and self._state.held is None:
             self._decide(events.CountdownStarted(self._rules.countdown), now)
         elif self._state.game is Game.COUNTDOWN and len(ready) < 2:
             self._decide(events.CountdownStopped(cause), now)
         elif self._state.game is Game.PLAYING and sides(users.get_users_alive()) < 2:
             self._end_battle(now, cause)
+
+    def _release(self, held: events.Held, now: float) -> None:
+        self._decide(events.Released(held.what), now)
+        self._settle(now, "")
 
     def _start_battle(self, now: float) -> None:
         self._decide(self._state.next_battle(self._rules), now)

@@ -36,6 +36,8 @@ class State:
     began_at: float = 0.0  # the running or the last battle, later by its pauses
     lengths: tuple[float, ...] = ()  # s of the last battles, at most `MEASURED`
     notice: Notice = ""
+    held: events.Held | None = None  # why no countdown begins
+    held_until: float = 0.0
     queue: list[Waiting] = field(default_factory=list)  # for a robot, the next one first
     leavers: list[User] = field(default_factory=list)  # who was in the running battle and has gone
     result: tuple[Placing, ...] = ()
@@ -64,6 +66,11 @@ class State:
         if self.game is not Game.PLAYING:
             return 0.0
         return max(0.0, self.protected_until - (now if self.paused_at is None else self.paused_at))
+
+    def notice_now(self) -> str:
+        """Also why those who are ready wait."""
+        waits = self.held is not None and self.game is Game.STOPPED and len(self.users.get_users_ready()) > 1
+        return self.held.notice if self.held is not None and waits else self.notice
 
     def kept_robot(self, name: str) -> int | None:
         """The robot that is kept for that player, who is called to a match; None: for this one there is none."""

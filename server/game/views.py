@@ -16,7 +16,7 @@ def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
         time_left=state.time_left(now),
         protection=state.protection_left(now),
         battle=state.battle,
-        notice=state.notice,
+        notice=state.notice_now(),
         paused=state.paused_at is not None,
         message=state.message,
         free_robots=tuple(robot.id for robot in seats.free_robots(state, rules)),

@@ -26,7 +26,7 @@ from server.game.referee import Verdict
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.users import AVATARS, is_reserved_name, is_valid_name
 from server.web.sessions import brought_token, end_session, give_session, remember_name
-from server.web.visitors import SignUps, visitor_address, visitor_mark
+from server.web.visitors import SignUps, is_this_machine, visitor_address, visitor_mark
 
 API = "api"  # the blueprint's name
 
@@ -45,6 +45,7 @@ def create_api(game: GameLoop) -> Blueprint:
     _add_sign_up(api, game)
     _add_seats(api, game)
     _add_battle(api, game)
+    _add_restarting(api, game)
     return api
 
 
@@ -201,6 +202,15 @@ def _add_battle(api: Blueprint, game: GameLoop) -> None:
         if verdict is Verdict.NOT_YOURS:
             _refuse(403, "only that robot can say that it is alive")
         return reply(status="OK" if verdict is Verdict.OK else "ERROR")
+
+
+def _add_restarting(api: Blueprint, game: GameLoop) -> None:
+    """For what a battle needs, before it is restarted: `laser_bot_battle.restarting` asks."""
+
+    @api.post("/restarting")
+    def restarting() -> Response:
+        name, address = request.form.get("robot", ""), machine_of(visitor_address())
+        return reply(status="OK", wait=math.ceil(game.restarting(name, address, is_local=is_this_machine())))
 
 
 def reply(http_status: int = 200, **content: Any) -> Response:

@@ -8,6 +8,7 @@ from server.web.lanes import Lane
 
 _DESK = "/operator"
 _LISTS = {"/watch.json"}
+_ROBOTS = {"/incAlive", "/restarting"}
 _LOOKING = {"GET", "HEAD", "OPTIONS"}
 
 
@@ -21,7 +22,7 @@ class OwnRoutes:
         return path in self._paths or _is_desk(path)
 
     def lane(self, method: str, path: str) -> Lane:
-        if path == "/incAlive":
+        if path in _ROBOTS:
             return Lane.ROBOTS
         if not self.has(path):
             return Lane.PAGES

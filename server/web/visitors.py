@@ -31,6 +31,11 @@ def is_secure() -> bool:
     return request.is_secure or request.headers.get("Origin", "").startswith("https://")
 
 
+def is_this_machine() -> bool:
+    """Whether a program on this machine asks for itself, not a proxy for others."""
+    return plain_address(request.remote_addr or "") in THIS_MACHINE and FORWARDED not in request.headers
+
+
 def visitor_mark() -> str:
     """What stands for the visitor's address in what is kept: it tells addresses apart, and nobody which they are."""
     return hmac.new(_SALT, visitor_address().encode(), hashlib.sha256).hexdigest()[:16]
@@ -56,6 +61,6 @@ class SignUps:
     def wait(self, name: str) -> float:
         """Count the request as a sign-up, or (not 0) return the s until there may be one from its address."""
         one_address().came(name, visitor_address(), time.monotonic())
-        if plain_address(request.remote_addr or "") in THIS_MACHINE and FORWARDED not in request.headers:
+        if is_this_machine():
             return 0.0
         return self._buckets.take(visitor_address(), time.monotonic())

@@ -19,6 +19,7 @@ const NOTICES = [
     (cause) => `Countdown stopped: ${cause}, fewer than two players are ready.`,
   ),
   "Countdown stopped: the operator has ended it.",
+  ...["robot 3 is about to restart", "the server is about to restart"].map((cause) => `The next battle waits: ${cause}.`),
   ...["Bob was shot down", "the time limit is reached", "the operator has ended it"].map((cause) => `Battle over: ${cause}.`),
 ];
 
@@ -31,7 +32,7 @@ test("in other languages none of it stays English, but the name", () => {
     speak(language);
     for (const notice of NOTICES) {
       const text = noticeText(notice);
-      assert.doesNotMatch(text, /stopped|over|ready|page|lost|operator\b|limit|shot|makes|again|take|others|wait|several|robot that/, text);
+      assert.doesNotMatch(text, /stopped|over|ready|page|lost|operator\b|limit|shot|makes|again|take|others|wait|several|robot that|about|next/, text);
       assert.equal(text.includes("Bob"), notice.includes("Bob"), text);
     }
   }

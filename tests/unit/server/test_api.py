@@ -28,6 +28,7 @@ POST_ROUTES = (
     "/chooseTeam",
     "/incAlive",
     "/takeRobot",
+    "/restarting",
 )
 
 
@@ -601,6 +602,7 @@ GOOD = {
     "/chooseTeam": {"user": "al", "team": "1"},
     "/incAlive": {"ID": "0", "key": "k"},
     "/takeRobot": {},
+    "/restarting": {},
     "/updateGameStatus": {},
     "/getAvailableRobots": {},
 }

@@ -72,6 +72,8 @@ def happened(who: str, word: str) -> list[Event]:
         events.BattleEnded(3, f"Zoë {AGAIN}{who}", placings),
         events.BattleEnded(3, "player 7 was shot down", placings),
         events.BattleEnded(3, BY_OPERATOR, placings, False, who),
+        events.Held("robot 1"),
+        events.Released("robot 1"),
         events.StoodStill(2.0),
         events.Paused(who),
         events.Resumed(who),

@@ -6,6 +6,7 @@ const SENTENCES = [
   [/^Countdown stopped: (.+), fewer than two players are ready\.$/, "notice.stopped"],
   [/^Countdown stopped: (.+)\.$/, "notice.stopped_by_operator"],
   [/^Battle over: (.+)\.$/, "notice.over"],
+  [/^The next battle waits: (.+)\.$/, "notice.waits"],
 ];
 
 const CAUSES = [
@@ -24,6 +25,8 @@ const CAUSES = [
   [/^(?<name>.+) has played (?<n>\d+) in a row, and others wait$/, "notice.in_a_row"],
   [/^(?<name>.+) has had the robot for (?<n>\S+) min, and others wait$/, "notice.minutes"],
   [/^(?<name>.+) has one of several robots at one address, and others wait$/, "notice.one_address"],
+  [/^robot (?<id>\d+) is about to restart$/, "notice.robot_restarts"],
+  [/^the server is about to restart$/, "notice.server_restarts"],
   [/^the time limit is reached$/, "notice.time"],
   [/^the operator has ended it$/, "notice.operator"],
 ];
