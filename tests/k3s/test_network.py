@@ -51,19 +51,6 @@ def test_selectors_match_the_workloads_own_pods_only(here: Manifests) -> None:
 
 
 @every_namespace
-def test_draining_a_node_ends_no_battle(here: Manifests) -> None:
-    budgets = {item["metadata"]["name"]: item["spec"] for item in here.of("PodDisruptionBudget")}
-    for workload in here.of("Deployment"):
-        name = workload["metadata"]["name"]
-        if name != "bot":
-            assert budgets[name]["minAvailable"] == workload["spec"]["replicas"] == 1
-            assert selected(here, budgets[name]["selector"]["matchLabels"]) == [workload]
-    text = (ROOT / "k3s/README.md").read_text()
-    # without these it ends at once, as there are such pods
-    assert "`kubectl drain NODE --ignore-daemonsets --delete-emptydir-data`" in text
-
-
-@every_namespace
 def test_a_service_goes_on_while_a_container_of_its_pod_restarts(here: Manifests) -> None:
     for service in here.of("Service"):
         if service["spec"].get("clusterIP") != "None":
