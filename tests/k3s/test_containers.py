@@ -101,10 +101,22 @@ def test_the_program_reads_every_variable_and_accepts_its_value(started: Started
 
 
 @every_container
-def test_one_setting_says_how_all_programs_log(started: Started) -> None:
+def test_an_overlay_can_say_how_a_program_logs(started: Started) -> None:
     if started.command[0] == "python3":  # the Arduino's has no log of ours
-        read = [source["configMapRef"]["name"] for source in started.container["envFrom"]]
-        assert [name for name in read if name.startswith("logging-")], "the ConfigMap of an overlay's log settings"
+        read = {source["configMapRef"]["name"].rpartition("-")[0] for source in started.container["envFrom"]}
+        assert read & {"logging", "robot", "arena", "bot"}
+
+
+@pytest.mark.parametrize("name", ["lan", "sim", "arenas", "lan+camera"])
+def test_a_setting_restarts_only_what_reads_it(name: str) -> None:
+    """Two workloads never read the same ConfigMap."""
+    for namespace in overlay(name).namespaces:
+        readers: dict[str, set[str]] = {}
+        for workload in overlay(name).within(namespace).workloads:
+            for config in re.findall(r"'configMap(?:Key)?Ref': {[^}]*'name': '([^']+)'", str(workload)):
+                readers.setdefault(config, set()).add(workload["metadata"]["name"])
+        assert readers
+        assert [config for config, names in readers.items() if len(names) > 1] == []
 
 
 @every_container
