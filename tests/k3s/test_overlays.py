@@ -28,6 +28,7 @@ KINDS = {
     "apps/v1": WORKLOADS,
     "batch/v1": {"CronJob"},
     "policy/v1": {"PodDisruptionBudget"},
+    "networking.k8s.io/v1": {"NetworkPolicy"},
 }
 IMAGES = ("webserver", "rosberry", "sim")
 
