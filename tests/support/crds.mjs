@@ -2,6 +2,7 @@
 // A validator looks at every field that its schema has, and at no other.
 
 const PACKAGES = {
+  "argoproj.io": "argo-cd",
   "gateway.networking.k8s.io": "gateway-api",
   "cert-manager.io": "cert-manager",
   "monitoring.coreos.com": "prometheus-operator",
@@ -26,7 +27,8 @@ function watched(value, path, unseen) {
 
 async function problems(object) {
   const [group, version] = object.apiVersion.split("/");
-  const models = await import(`@kubernetes-models/${PACKAGES[group]}/${group}/${version}`);
+  const name = group.endsWith(".toolkit.fluxcd.io") ? "flux-cd" : PACKAGES[group];
+  const models = await import(`@kubernetes-models/${name}/${group}/${version}`);
   const unseen = new Set();
   const model = new models[object.kind](object);
   model.spec = watched(object.spec, "spec", unseen);

@@ -1,4 +1,5 @@
-"""Whether custom resources fit the definitions of their makers: Gateway API, cert-manager, Prometheus Operator."""
+"""Whether custom resources fit the definitions of their makers: Gateway API, cert-manager, Prometheus Operator, Flux,
+Argo CD."""
 
 import json
 import subprocess
