@@ -1,5 +1,6 @@
 """Tells the web server every 0.4 s that this robot is alive (manual: pingThread; behaviour of POST /incAlive)."""
 
+import contextlib
 import logging
 import threading
 import time
@@ -13,7 +14,8 @@ _log = logging.getLogger(__name__)
 
 
 class PingThread(threading.Thread):
-    """Pings from start() to stop(), whatever the server does; a context manager does both."""
+    """Pings from start() to stop(), whatever the server does; a context manager does both, and says so when the program
+    is interrupted."""
 
     def __init__(self, url: str, robot_id: int, key: str) -> None:
         """`key`: by which the server knows that a ping is this robot's."""
@@ -30,8 +32,10 @@ class PingThread(threading.Thread):
         self.start()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, kind: object, *_: object) -> None:
         self.stop()
+        if kind is KeyboardInterrupt:
+            self._say_goodbye()
 
     @property
     def welcome(self) -> bool:
@@ -78,6 +82,14 @@ class PingThread(threading.Thread):
             self._answered_at = time.monotonic()
             if status == "ERROR":
                 self.unknown.set()
+
+    def _say_goodbye(self) -> None:
+        """The robot is switched off: nobody has to look for it. It goes without an answer, too."""
+        self.join(TIMEOUT)  # a ping after this would say that it is back
+        ping = {"ID": self._robot_id, "key": self._key, "leaving": "1"}
+        with requests.Session() as session, contextlib.suppress(requests.RequestException):
+            session.trust_env = False
+            session.post(self._url, data=ping, timeout=TIMEOUT, allow_redirects=False)
 
     def _outage(self, reason: str) -> None:
         """Logged once per outage, not per ping."""

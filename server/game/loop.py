@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from server.game.departures import Departures
 from server.game.events import Recorded, kind_of
 from server.game.referee import Referee, Verdict, Wish
 from server.game.snapshot import Player, Snapshot, Waiter
@@ -36,6 +37,7 @@ class GameLoop:
         self._looked_at = clock()
         self._latest = referee.snapshot(self._looked_at)
         self._undelivered: deque[Snapshot] = deque(maxlen=100)
+        self._departures = Departures()
         self._listeners: list[Listener] = []
         self._recorders: list[Recorder] = []
         self._stopping = False
@@ -68,9 +70,18 @@ class GameLoop:
         with self._event() as now:
             return self._referee.add_robot(caller, now, key=key, address=address)
 
-    def robot_alive(self, robot_id: int, *, key: str = "", address: str = "") -> Verdict:
+    def robot_alive(self, robot_id: int, *, key: str = "", address: str = "", leaving: bool = False) -> Verdict:
+        """`leaving`: it is the robot's last ping before it is switched off."""
         with self._event() as now:
-            return self._referee.robot_alive(robot_id, now, key=key, address=address)
+            verdict = self._referee.robot_alive(robot_id, now, key=key, address=address)
+            if verdict is Verdict.OK:
+                self._departures.pinged(robot_id, leaving=leaving, now=now)
+            return verdict
+
+    def robots_left(self) -> set[int]:
+        """Those that were switched off in order of late."""
+        with self._changed:
+            return self._departures.of_late(self._clock())
 
     def robots_linked(self, linked: Collection[int]) -> None:
         with self._event() as now:

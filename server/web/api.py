@@ -196,9 +196,12 @@ def _add_battle(api: Blueprint, game: GameLoop) -> None:
     @api.post("/incAlive")
     def inc_alive() -> Response:
         robot_id = _robot_id(_field("ID"), "ID")
+        leaving = _FLAG.get(request.form.get("leaving", "0"))
+        if leaving is None:
+            _refuse(400, "leaving must be 0 or 1")
         # a robot on this machine may have registered by one of its addresses, and ping by another
         address = machine_of(visitor_address())
-        verdict = game.robot_alive(robot_id, key=request.form.get("key", ""), address=address)
+        verdict = game.robot_alive(robot_id, key=request.form.get("key", ""), address=address, leaving=leaving)
         if verdict is Verdict.NOT_YOURS:
             _refuse(403, "only that robot can say that it is alive")
         return reply(status="OK" if verdict is Verdict.OK else "ERROR")

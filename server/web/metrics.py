@@ -69,6 +69,13 @@ def metrics(
         "Times that the database's file was deleted, replaced or overwritten while it was open.",
         database.replacements,
     )
+    yield labelled(
+        GaugeMetricFamily,
+        "laserbot_robot_left",
+        "1: its program has ended in order in the last 15 min, as when it is switched off or scaled down.",
+        ["robot"],
+        {(str(robot),): 1 for robot in game.robots_left()},
+    )
     yield from _robots(overview["robots"], {robot: health.of(robot) for robot in now.robots})
 
 

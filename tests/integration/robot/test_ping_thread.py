@@ -1,5 +1,6 @@
 """The ping thread against a real HTTP server."""
 
+import contextlib
 import logging
 import threading
 import time
@@ -92,6 +93,21 @@ def test_a_server_that_hangs_is_not_waited_for_longer_than_a_second(
     hung = len(web.pings)
     until(lambda: outages(caplog) == 1, 3)
     until(lambda: len(web.pings) > hung + 1, 5)
+
+
+def test_a_robot_that_is_switched_off_says_goodbye(web: WebServer) -> None:
+    with contextlib.suppress(KeyboardInterrupt), PingThread(web.url, 7, "secret"):
+        until(lambda: web.pings)
+        raise KeyboardInterrupt
+    until(lambda: web.pings[-1][2] == "ID=7&key=secret&leaving=1")
+
+
+def test_a_robot_that_registers_again_does_not(web: WebServer) -> None:
+    with contextlib.suppress(OSError), PingThread(web.url, 7, "secret") as pings:
+        until(lambda: web.pings)
+        raise OSError
+    pings.join(LATEST)
+    assert {body for _, _, body in web.pings} == {"ID=7&key=secret"}
 
 
 def test_no_ping_is_sent_after_the_stop(web: WebServer) -> None:
