@@ -11,6 +11,7 @@ from typing import Any
 import docker
 import pytest
 import requests
+import yaml
 
 from tests.images.conftest import Registry, build
 from tests.support.containers import PATIENCE, engine
@@ -185,6 +186,11 @@ needs_own_engine = pytest.mark.skipif(
 def test_an_archive_carries_every_platform(version: str, folder: Path) -> None:
     archive = folder / "laserbot.tar"
     build(ARCHIVE=str(archive))
+    done = subprocess.run([ROOT / "k3s/images.py", "name", archive], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    named = {each["name"]: each["newTag"] for each in yaml.safe_load(done.stdout)["images"]}
+    digests = {image: str(engine().images.get(f"{image}:{version}").id) for image in IMAGES}
+    assert named == {image: f"{version}-{digest.replace(':', '-')}" for image, digest in digests.items()}
     with SecondEngine(folder, store=True) as second:
         second.load(archive)
         for image in IMAGES:
