@@ -16,13 +16,23 @@ def play_role(
     role: str, tasks: str, variables: str, folder: Path, limit: str = "all", *flags: str
 ) -> subprocess.CompletedProcess[str]:
     """Runs a role's file of tasks for a master and two robots. `variables` are YAML, `folder` is first in PATH."""
+    task = f"ansible.builtin.include_role: {{name: {role}, tasks_from: {tasks}.yml}}"
+    return _play(task, variables, folder, limit, *flags)
+
+
+def play_tasks(file: Path, variables: str, folder: Path, limit: str = "all") -> subprocess.CompletedProcess[str]:
+    """The same with a file of tasks that is no role's."""
+    return _play(f"ansible.builtin.include_tasks: {file}", variables, folder, limit)
+
+
+def _play(task: str, variables: str, folder: Path, limit: str, *flags: str) -> subprocess.CompletedProcess[str]:
     (folder / "hosts.yml").write_text(INVENTORY)
     (folder / "vars.yml").write_text(variables)
     (folder / "play.yml").write_text(f"""
 - hosts: all
   gather_facts: false
   tasks:
-    - ansible.builtin.include_role: {{name: {role}, tasks_from: {tasks}.yml}}
+    - {task}
 """)
     return subprocess.run(
         [
