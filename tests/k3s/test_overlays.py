@@ -46,6 +46,11 @@ def test_every_object_fits_the_schemas_of_kubernetes(manifests: Manifests, kuber
     validate(manifests, kubernetes)
 
 
+def test_the_k3s_that_the_readme_installs_is_a_version_that_these_manifests_are_checked_for() -> None:
+    (minor,) = re.findall(r"k3s_version: v(1\.\d+)\.\d+\+k3s\d+$", (ROOT / "k3s/README.md").read_text(), re.MULTILINE)
+    assert minor in {".".join(version.split(".")[:2]) for version in VERSIONS}
+
+
 def test_the_schemas_cover_the_versions_that_k3s_ships() -> None:
     assert VERSIONS[0].startswith("1.32.")
     assert len(VERSIONS) >= 4
@@ -199,15 +204,23 @@ def test_what_an_arena_requests_is_what_the_readme_reckons_with() -> None:
         cores = sum(int(each["cpu"].removesuffix("m")) for each in asked)
         return cores, sum(int(each["memory"].removesuffix("Mi")) for each in asked)
 
+    text = " ".join((ROOT / "k3s/README.md").read_text().split())
     workloads = {each["metadata"]["name"]: requested(each) for each in overlay("sim").workloads}
     robot = workloads.pop("robot")
     cores, memory = (sum(column) for column in zip(*workloads.values(), strict=True))
-    said = re.search(
-        r"requests ([\d.]+) of a core and (\d+) MiB, and each virtual robot ([\d.]+) of\s+a core and (\d+) MiB more",
-        (ROOT / "k3s/README.md").read_text(),
-    )
-    assert said
-    assert [float(number) for number in said.groups()] == [cores / 1000, memory, robot[0] / 1000, robot[1]]
+    said = f"requests {cores / 1000:g} of a core and {memory} MiB, and each virtual robot {robot[0] / 1000:g} of a core"
+    assert f"{said} and {robot[1]} MiB more" in text
+
+    def together(arenas: int, robots: int) -> tuple[str, int]:
+        """Cores, and MiB, of so many arenas with so many robots each."""
+        return f"{arenas * (cores + robots * robot[0]) / 1000:.1f} cores", arenas * (memory + robots * robot[1])
+
+    for words, arenas, robots in (("three arenas of two robots", 3, 2), ("two of four", 2, 4)):
+        needed, mebibytes = together(arenas, robots)
+        assert f"{words} ({needed}, {mebibytes / 1024:.1f} GiB)" in text
+    needed, mebibytes = together(1, 2)
+    assert f"two cores and 2 GiB carries one arena of two robots ({needed}, {mebibytes} MiB)" in text
+    assert mebibytes <= 2048 - 1024, "k3s, its own pods and the system have the rest"
 
 
 @pytest.mark.parametrize(
