@@ -19,7 +19,7 @@ from laser_bot_battle.settings import describe, read_or_exit
 from sim.bot_game import RETRY, Arena, Eyes, GameError, Player, Rosbridge, Status, Web
 from sim.bot_mind import NEUTRAL, SKILLS, Command, Mind
 from sim.bot_paths import Paths
-from sim.bot_settings import VARIABLES, Settings, following
+from sim.bot_settings import VARIABLES, Settings, first_free
 from sim.lifecycle import first_of, live_until, signalled
 
 TICK = 0.04  # s between two commands
@@ -107,11 +107,19 @@ class Bot:
                 self._name = ""
 
     async def _sign_up(self) -> int:
-        """Try until there is a name and a robot; returns the robot's ID."""
-        name = self._settings.name
+        """Try until there is a name and a robot; returns the robot's ID. It looks first: the server counts sign-ups."""
+        wanted = self._settings.robot
+        none_free = "no robot is free; waiting" if wanted is None else f"robot {wanted} is not free; waiting"
+        refused: set[str] = set()  # names that nobody has who can be seen
         while True:
             try:
-                answer = await self._web.sign_up(name, self._settings.robot)
+                free, names = await self._web.look()
+                if not free or (wanted is not None and wanted not in free):
+                    self._tell(none_free)
+                    await asyncio.sleep(RETRY)
+                    continue
+                name = first_free(self._settings.name, names | refused)
+                answer = await self._web.sign_up(name, wanted)
             except GameError as error:
                 self._tell(f"{error}; waiting")
             else:
@@ -121,15 +129,14 @@ class Bot:
                         self._tell(f"signed up as {name}, driving robot {robot}")
                         return robot
                     case "UNAVAILABLE", _:
-                        name = following(name)
+                        refused.add(name)
+                        await asyncio.sleep(random.uniform(0, RETRY))  # bots that start together go apart
                         continue
-                    case "NO_ROBOTS", _:
-                        self._tell("no robot is free; waiting")
-                    case "ROBOT_UNAVAILABLE", wanted:
-                        self._tell(f"robot {wanted} is not free; waiting")
+                    case (("NO_ROBOTS" | "ROBOT_UNAVAILABLE"), _):
+                        self._tell(none_free)
                     case _:
                         self._tell(f"cannot sign up: {answer}; trying again")
-                name = self._settings.name
+                refused.clear()
             await asyncio.sleep(RETRY)
 
     async def _stay_signed_in(self) -> None:

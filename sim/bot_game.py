@@ -68,6 +68,14 @@ class Web:
         """For how many s the server has not answered."""
         return asyncio.get_running_loop().time() - self._answered_at
 
+    async def look(self) -> tuple[set[int], set[str]]:
+        """The robots that are free, and the names that are taken."""
+        free, names = await self._post("getAvailableRobots", data="data"), await self._names()
+        try:
+            return {int(robot) for robot in free["robots"]}, names
+        except (KeyError, TypeError, ValueError) as error:
+            raise GameError(f"cannot understand which robots are free: {error!r}") from None
+
     async def sign_up(self, name: str, robot: int | None) -> dict[str, Any]:
         """As `name`, with a wish for that robot or (None) any."""
         return await self._post("signUpUser", data=name, **({} if robot is None else {"robot": str(robot)}))
@@ -80,9 +88,13 @@ class Web:
 
     async def is_signed_in(self, name: str) -> bool:
         """Also a sign of life, which the server wants at least every 15 s."""
+        return name in await self._names()
+
+    async def _names(self) -> set[str]:
+        """Of those who play."""
         status = await self._post("updateGameStatus", data="data")
         try:
-            return any(user["name"] == name for user in json.loads(status["users"]))
+            return {str(user["name"]) for user in json.loads(status["users"])}
         except (KeyError, TypeError, ValueError) as error:
             raise GameError(f"cannot understand the server's status: {error!r}") from None
 

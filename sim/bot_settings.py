@@ -1,6 +1,6 @@
 """The bot's settings, from environment variables and arguments."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 from laser_bot_battle.addresses import check_interface
@@ -93,6 +93,9 @@ def _host_and_port(option: str, text: str) -> str:
     return text
 
 
-def following(name: str) -> str:
-    """The bot's name to try when `name` is taken: Bot1 -> Bot2."""
-    return f"{BOT_PREFIX}{int(name.removeprefix(BOT_PREFIX)) + 1}"
+def first_free(name: str, taken: Collection[str]) -> str:
+    """The bot's name, or the next one that is not taken, by the server's rule without regard to case: Bot1 -> Bot2."""
+    folded = {other.casefold() for other in taken}
+    while name.casefold() in folded:
+        name = f"{BOT_PREFIX}{int(name.removeprefix(BOT_PREFIX)) + 1}"
+    return name

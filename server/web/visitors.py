@@ -7,6 +7,7 @@ import time
 
 from flask import Flask, current_app, request
 
+from laser_bot_battle.names import is_bot
 from laser_bot_battle.plain_address import plain_address
 from laser_bot_battle.proxies import FORWARDED, THIS_MACHINE, visitor
 from laser_bot_battle.token_bucket import TokenBuckets
@@ -14,6 +15,8 @@ from server.web.one_address import OneAddress
 
 AT_ONCE = 4  # sign-ups of one address, then
 PERIOD = 3.0  # s for each further one
+BOTS_AT_ONCE = 32  # the same of bots, of which one machine may start many
+BOTS_PERIOD = 1.0
 VISITOR = "X-LaserBot-Visitor"  # to the process of the pages: the visitor's address, whatever the visitor says
 PROXIES = "LASERBOT_PROXIES"  # in the application's configuration
 _ONE_ADDRESS = "laserbot_one_address"  # among its extensions
@@ -53,14 +56,19 @@ def one_address() -> OneAddress:
 
 
 class SignUps:
-    """Sign-ups by address. Visitors on this machine itself, as in a demo, wait for nothing."""
+    """Sign-ups by address. Visitors on this machine itself, as in a demo, wait for nothing.
+
+    Bots and people of an address take nothing from each other. By its name, the game takes a bot's robot for any person
+    who waits: that is no name for people who want to play, or to keep others from it.
+    """
 
     def __init__(self) -> None:
-        self._buckets = TokenBuckets(AT_ONCE, PERIOD)
+        self._people, self._bots = TokenBuckets(AT_ONCE, PERIOD), TokenBuckets(BOTS_AT_ONCE, BOTS_PERIOD)
 
     def wait(self, name: str) -> float:
         """Count the request as a sign-up, or (not 0) return the s until there may be one from its address."""
         one_address().came(name, visitor_address(), time.monotonic())
         if is_this_machine():
             return 0.0
-        return self._buckets.take(visitor_address(), time.monotonic())
+        buckets = self._bots if is_bot(name) else self._people
+        return buckets.take(visitor_address(), time.monotonic())

@@ -267,6 +267,19 @@ def test_an_address_signs_up_four_times_at_once_and_then_waits(peer, headers):
     assert body(other)["status"] == "OK", "nobody else waits for it"
 
 
+def test_bots_and_people_of_an_address_take_no_sign_ups_from_each_other():
+    site = Site(robots=40)
+
+    def sign_up_from(name):
+        peer = {"REMOTE_ADDR": "10.0.0.7"}
+        return site.browser().post("/signUpUser", data={"data": name}, environ_base=peer)
+
+    assert [body(sign_up_from(f"Bot{number}"))["status"] for number in range(32)] == ["OK"] * 32
+    assert sign_up_from("Bot32").status_code == 429
+    assert [body(sign_up_from(name))["status"] for name in ("a", "Bot", "Botond", "Bot_1")] == ["OK"] * 4
+    assert sign_up_from("e").status_code == 429
+
+
 def test_an_address_of_ipv4_is_the_same_however_a_socket_calls_it():
     site = Site(robots=8)
     peers = [{"REMOTE_ADDR": peer} for peer in ("10.0.0.7", "::ffff:10.0.0.7", "::ffff:a00:7", "10.0.0.7")]

@@ -7,7 +7,7 @@ from laser_bot_battle.place import Place
 from laser_bot_battle.settings import SettingsError
 from sim.bot import fights, wants_ready
 from sim.bot_game import Player, Status
-from sim.bot_settings import Settings, following
+from sim.bot_settings import Settings, first_free
 
 
 def urls(settings: Settings) -> tuple[str, str, str]:
@@ -48,7 +48,9 @@ def test_it_does_not_drive_in_a_pause() -> None:
 
 
 def test_taken_names_are_counted_on() -> None:
-    assert [following(name) for name in ("Bot0", "Bot1", "Bot9", "Bot99")] == ["Bot1", "Bot2", "Bot10", "Bot100"]
+    taken = {"Ann", "Bot1", "bot2", "Bot9", "Bot99"}
+    found = [first_free(name, taken) for name in ("Bot0", "Bot1", "Bot9", "Bot99")]
+    assert found == ["Bot0", "Bot3", "Bot10", "Bot100"]
 
 
 def test_everything_is_on_the_master_by_default() -> None:
