@@ -27,7 +27,6 @@ from server.web.words import t, text
 SIZE, MAX_SIZE = 25, 500  # battles on a page
 _NUMBER = re.compile(r"[1-9][0-9]{0,5}")
 _DAY = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
-_FOREVER = (0.0, 1e11)  # Unix times
 
 
 class Refused(Exception):  # noqa: N818 - the visitor's error, not ours
@@ -185,7 +184,7 @@ def _find(results: Results, battle: str) -> tuple[Battle, list[Course]]:
 def _leaderboard(results: Results) -> Leaderboard:
     given = request.args.get("day") or "all"
     if given == "all":
-        return Leaderboard(given, results.leaderboard(*_FOREVER), [])
+        return Leaderboard(given, results.standings(), [])
     try:
         if not _DAY.fullmatch(given):
             raise ValueError

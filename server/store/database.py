@@ -27,6 +27,7 @@ from server.store.clocks import Clocks
 from server.store.fighters import keep_fighters
 from server.store.forget import find_forgotten, rename_in_event, rename_in_state
 from server.store.held import UNSEEN, FileId, Held, file_id
+from server.store.tally import tally, tally_left_over
 from server.store.track import Piece
 
 _log = logging.getLogger(__name__)
@@ -104,6 +105,7 @@ class Database:
         self._look_every = look if self._path else None
         self._file: FileId | None = None  # that is open
         self._held = Held()
+        self._is_left_over = True  # there may be battles that are not in the table of standings
         self._is_anew = False  # what is held is still to be written to another file than before
         self._mishap, self._mishap_at = "", 0.0
         self._closing = False
@@ -283,7 +285,18 @@ class Database:
         if self.problem:
             _log.warning(WRITTEN_AGAIN)
         self.problem = ""
+        self._tally()
         return True
+
+    def _tally(self) -> None:
+        """Some of what an older program has written, in a transaction of its own: a battle does not need it."""
+        if self._is_left_over:
+            try:
+                with self._transaction() as connection:
+                    self._is_left_over = tally_left_over(connection)
+            except Exception as error:
+                self._is_left_over = False
+                _log.warning("older battles are not in the table of standings yet: %s", reason_of(error))
 
     def _read(self) -> bool:
         """Open what could not be read before. Whether it may be written over now."""
@@ -455,6 +468,8 @@ def _keep(
         )
     if isinstance(decided, events.BattleStarted | events.BattleEnded) and battle is not None:
         keep_fighters(connection, battle)
+    if isinstance(decided, events.BattleEnded) and battle is not None:
+        tally(connection, battle)
     return None if isinstance(decided, events.BattleEnded) else battle
 
 

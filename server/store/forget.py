@@ -93,6 +93,7 @@ def _in_battle(row: RowMapping, names: Mapping[str, str]) -> dict[str, Any]:
 # what replaces the names in a row of each table that has some
 _NAMED: Mapping[Table, Callable[[RowMapping, Mapping[str, str]], dict[str, Any]]] = {
     schema.fighters: lambda row, names: {"name": names.get(row["name"], row["name"])},
+    schema.standings: lambda row, names: {"name": names.get(row["name"], row["name"])},
     schema.events: lambda row, names: {"data": rename_in_event(row["kind"], row["data"], names)},
     schema.battles: _in_battle,
     schema.state: lambda row, names: {"data": rename_in_state(row["data"], names)},

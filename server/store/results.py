@@ -8,7 +8,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import URL, Connection, Engine, NullPool, Row, case, create_engine, exists, func, select
+from sqlalchemy import URL, Connection, Engine, NullPool, Row, Select, create_engine, exists, func, select, union_all
 from sqlalchemy.exc import SQLAlchemyError
 
 from laser_bot_battle.names import Game
@@ -19,6 +19,7 @@ from server.store.clocks import Clocks
 from server.store.course import Course
 from server.store.database import AwayError, clock_of, last_battle, make_engine
 from server.store.fighters import read_courses
+from server.store.tally import COUNTS, SHOOTING, is_left_over, sums
 from server.store.track import join
 
 MAX_PLAYERS = 500  # in a leaderboard
@@ -141,46 +142,19 @@ class Results:
 
     def leaderboard(self, begin: float, end: float) -> list[Standing]:
         """The most wins, in battles that began from `begin` to before `end`; equals by fewer hits per battle."""
-        fighters, battles = schema.fighters.c, schema.battles.c
-        played, hits = func.count(), func.sum(fighters.hits)
-        wins = func.sum(case((fighters.place == 1, 1), else_=0))
-        is_known = fighters.given.is_not(None) & fighters.shots.is_not(None)
-        query = (
-            select(
-                fighters.name,
-                played.label("battles"),
-                wins.label("wins"),
-                hits.label("hits"),
-                func.sum(fighters.seconds).label("seconds"),
-                func.sum(fighters.shots).label("shots"),
-                func.sum(fighters.given).label("given"),
-                func.sum(fighters.kills).label("kills"),
-                func.sum(case((is_known, fighters.given))).label("met"),
-                func.sum(case((is_known, fighters.shots))).label("aimed"),
-            )
-            .join(schema.battles, battles.id == fighters.battle)
-            .where(battles.began >= begin, battles.began < end, battles.counts, battles.ended.is_not(None))
-            .group_by(fighters.name)
-            .order_by(wins.desc(), (hits * 1.0 / played), fighters.name)
-            .limit(MAX_PLAYERS)
-        )
+        began = schema.battles.c.began
         with self._reading() as connection:
-            rows = connection.execute(query).all()
-        return [
-            Standing(
-                place=place,
-                name=row.name,
-                battles=row.battles,
-                wins=row.wins,
-                hits=row.hits,
-                seconds=row.seconds,
-                shots=row.shots,
-                given=row.given,
-                kills=row.kills,
-                accuracy=accuracy(row.met, row.aimed),
-            )
-            for place, row in enumerate(rows, 1)
-        ]
+            return _best(connection, sums().where(began >= begin, began < end))
+
+    def standings(self) -> list[Standing]:
+        """The same of all battles, which are added up already, but for those that an older program has written."""
+        with self._reading() as connection:
+            added = select(*(schema.standings.c[name] for name in ("name", *COUNTS, *SHOOTING)))
+            if not connection.scalar(select(exists().where(is_left_over()))):
+                return _best(connection, added)
+            both = union_all(added, sums().where(is_left_over())).subquery().c
+            totals = (func.sum(both[name]).label(name) for name in (*COUNTS, *SHOOTING))
+            return _best(connection, select(both.name, *totals).group_by(both.name))
 
     def winners(self, begin: float, end: float) -> list[list[tuple[str, bool]]]:
         """Of each battle that counts and began from `begin` to before `end`, the oldest first: who fought, and whether
@@ -217,6 +191,28 @@ class Results:
             raise AwayError(str(getattr(error, "orig", None) or error)) from error
         finally:
             self._turns.release()
+
+
+def _best(connection: Connection, totals: Select[Any]) -> list[Standing]:
+    """Of each player's totals (see server.store.tally)."""
+    table = totals.subquery()
+    of = table.c
+    ordered = select(table).order_by(of.wins.desc(), of.hits * 1.0 / of.battles, of.name).limit(MAX_PLAYERS)
+    return [
+        Standing(
+            place=place,
+            name=row.name,
+            battles=row.battles,
+            wins=row.wins,
+            hits=row.hits,
+            seconds=row.seconds,
+            shots=row.shots,
+            given=row.given,
+            kills=row.kills,
+            accuracy=accuracy(row.met, row.aimed),
+        )
+        for place, row in enumerate(connection.execute(ordered).all(), 1)
+    ]
 
 
 def _with_fighters(connection: Connection, rows: Sequence[Row[Any]], clocks: Clocks) -> list[Battle]:

@@ -17,7 +17,9 @@ from sqlalchemy import (
     Table,
     Text,
     UniqueConstraint,
+    desc,
     false,
+    text,
     true,
 )
 
@@ -40,6 +42,8 @@ robots = Table(
     UniqueConstraint("robot", "arena"),
 )
 
+_LEFT_OVER = text("ended IS NOT NULL AND NOT tallied")
+
 battles = Table(
     "battles",
     metadata,
@@ -53,7 +57,9 @@ battles = Table(
     Column("result", JSON),  # list of Placing
     Column("counts", Boolean, nullable=False, server_default=true()),  # False: aborted, nobody has won
     _arena(),
+    Column("tallied", Boolean, nullable=False, server_default=false()),  # is in the table of standings
     Index("battles_began", "began"),
+    Index("battles_left_over", "id", postgresql_where=_LEFT_OVER, sqlite_where=_LEFT_OVER),
 )
 
 # who fought; made from the battle's events when it begins and again when it ends, see server.store.fighters
@@ -74,6 +80,24 @@ fighters = Table(
     Column("shots", Integer),  # fired; None: nobody has counted
     Column("given", Integer),  # hits; None: of some hits of the battle nobody knows whose
     Column("kills", Integer),  # likewise
+)
+
+# what the battles that count come to for each player, see server.store.tally
+standings = Table(
+    "standings",
+    metadata,
+    Column("id", Integer, primary_key=True),
+    Column("name", String(64), nullable=False, unique=True),
+    Column("battles", Integer, nullable=False),
+    Column("wins", Integer, nullable=False),
+    Column("hits", Integer, nullable=False),
+    Column("seconds", Float, nullable=False),
+    Column("shots", Integer),
+    Column("given", Integer),
+    Column("kills", Integer),
+    Column("met", Integer),
+    Column("aimed", Integer),
+    Index("standings_best", desc("wins")),
 )
 
 events = Table(

@@ -77,12 +77,13 @@ def size(url: URL) -> int:
 
 
 def _copy(source: Connection, target: Connection, progress: Callable[[int], None]) -> None:
-    tables = schema.metadata.sorted_tables
+    known = inspect(source).get_table_names()  # an older program's has less
+    tables = [table for table in schema.metadata.sorted_tables if table.name in known]
     rows = {table: _count(source, table) for table in tables}
     done, total = 0, max(sum(rows.values()), 1)
     for table in tables:
         there = {column["name"] for column in inspect(source).get_columns(table.name)}
-        columns = [column for column in table.c if column.name in there]  # an older program's has less
+        columns = [column for column in table.c if column.name in there]  # likewise
         into = _plain(table)
         for some in source.execute(select(*columns).execution_options(yield_per=_ROWS)).mappings().partitions():
             target.execute(insert(into).values([dict(row) for row in some]))

@@ -14,7 +14,7 @@ def _add_fighters(connection: Connection) -> None:
     counts = CreateColumn(schema.battles.c.counts).compile(dialect=connection.dialect)
     connection.execute(text(f"ALTER TABLE battles ADD COLUMN {counts}"))
     for index in schema.battles.indexes:
-        index.create(connection)
+        index.create(connection, checkfirst=True)
     for battle in connection.scalars(select(schema.battles.c.id)).all():
         keep_fighters(connection, battle)
 
@@ -26,12 +26,14 @@ def _add_columns(connection: Connection) -> None:
     arena = _add(connection, schema.events, "arena")
     for table, names in (
         (schema.fighters, shooters),
-        (schema.battles, ("arena",)),
+        (schema.battles, ("arena", "tallied")),
         (schema.state, ("arena",)),
         (schema.robots, ("arena",)),
         (schema.forgotten, ("arenas",)),
     ):
         _add(connection, table, *names)
+    for index in schema.battles.indexes:
+        index.create(connection, checkfirst=True)
     if arena:
         for index in (*schema.events.indexes, *schema.state.indexes):
             index.create(connection, checkfirst=True)

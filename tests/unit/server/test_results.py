@@ -75,8 +75,11 @@ def keep(keep_of, match):
 
 
 def change(file: Path, statement: str, *values: object) -> None:
+    """By hand, as docs/results.md says it."""
     with closing(sqlite3.connect(file)) as connection, connection:
         connection.execute(statement, values)
+        connection.execute("DELETE FROM standings")
+        connection.execute("UPDATE battles SET tallied = false")
 
 
 def saved_at(file: Path) -> float | None:

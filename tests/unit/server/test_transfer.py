@@ -24,7 +24,7 @@ __all__ = ["postgres"]
 # pg8000 leaves the closing of a broken connection to the interpreter, which may come to it in any later test
 pytestmark = pytest.mark.filterwarnings("ignore:Exception ignored in. <socket:pytest.PytestUnraisableExceptionWarning")
 
-TABLES = ("battles", "fighters", "events", "tracks", "state", "robots", "forgotten", "schema")
+TABLES = ("battles", "fighters", "standings", "events", "tracks", "state", "robots", "forgotten", "schema")
 
 
 @pytest.fixture(autouse=True, scope="module")
@@ -98,7 +98,7 @@ def played(url: URL) -> Any:
     results = Results(url)
     try:
         battles, _ = results.battles(1, 100)
-        return battles, [results.battle(each.id) for each in battles], results.leaderboard(0, 1e12)
+        return battles, [results.battle(each.id) for each in battles], results.standings()
     finally:
         results._engine.dispose()
 
@@ -129,6 +129,27 @@ def test_the_results_of_a_battle_are_equal_before_and_after(
     later.write()
     later.close()
     assert len(rows(again, "events")) > len(rows(old, "events"))
+
+
+def test_a_backup_of_a_program_that_knew_no_standings_comes_back_with_them(
+    new: Callable[[str], URL], game: Callable[[URL], Game], tmp_path: Path
+) -> None:
+    old, saved = new("postgresql"), tmp_path / "evening.db"
+    first_game = game(old)
+    first_game.fight("ann", "bob")
+    first_game.close()
+    keeping.save(old, saved, quiet)
+    with create_engine(f"sqlite:///{saved}", poolclass=NullPool).begin() as connection:
+        for statement in (
+            "DROP TABLE standings",
+            "DROP INDEX battles_left_over",
+            "ALTER TABLE battles DROP COLUMN tallied",
+        ):
+            connection.execute(text(statement))
+    again = new("postgresql")
+    keeping.put_back(again, saved, quiet)
+    assert played(again) == played(old)
+    assert [standing.name for standing in played(again)[2]] == ["ann", "bob"]
 
 
 def test_what_was_there_is_kept_beside_it(
