@@ -44,9 +44,9 @@ class Postgres:
         subprocess.run(command, check=True, capture_output=True)
         self._program: Program | None = None
 
-    def start(self) -> None:
-        """Go on with what is there."""
-        settings = [f"listen_addresses={HOST}", f"port={self.port}", "unix_socket_directories=", "fsync=off"]
+    def start(self, *more: str) -> None:
+        """Go on with what is there, by these settings, too."""
+        settings = [f"listen_addresses={HOST}", f"port={self.port}", "unix_socket_directories=", "fsync=off", *more]
         words = [word for setting in settings for word in ("-c", setting)]
         self._program = Program(self._command("postgres", "-D", str(self._folder), *words))
         self._program.wait_for("ready to accept connections", 60)
@@ -100,10 +100,10 @@ def with_its_end(process: psutil.Process) -> None:
 
 
 @contextmanager
-def running_postgres() -> Iterator[Postgres]:
+def running_postgres(*settings: str) -> Iterator[Postgres]:
     server = Postgres()
     try:
-        server.start()
+        server.start(*settings)
         yield server
     finally:
         server.remove()
