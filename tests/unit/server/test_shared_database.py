@@ -6,6 +6,7 @@ from contextlib import contextmanager
 
 import pytest
 from sqlalchemy import URL, Connection, create_engine, text
+from sqlalchemy.pool import NullPool
 
 from server.game.persistence import restore
 from server.game.referee import Referee
@@ -120,6 +121,23 @@ def test_the_leaderboard_is_of_all_arenas_and_the_log_of_one(arena, results: Res
         for told in (str(log.latest()), str(list(log.read()))):
             assert own in told
             assert others not in told
+
+
+def test_an_arena_keeps_one_connection_however_many_look_at_it(arena, url: URL, results: Results) -> None:
+    """PostgreSQL has a hundred, unless it is told otherwise."""
+    for name in ("red", "blue"):
+        arena(name).fight("ann", "bob")
+    for _ in range(3):
+        results.battles(1, 10)
+        results.standings()
+    count = text("SELECT count(*) FROM pg_stat_activity WHERE datname = :name AND pid <> pg_backend_pid()")
+
+    def connections() -> int:
+        engine = create_engine(url, poolclass=NullPool)
+        with engine.connect() as connection:
+            return int(connection.scalar(count, {"name": url.database}) or 0)
+
+    until(lambda: connections() == 2, 20, "those that are not kept are gone")
 
 
 def test_no_arena_takes_anothers_events_for_its_own(arena, url: URL, monkeypatch) -> None:
