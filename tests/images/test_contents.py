@@ -21,6 +21,7 @@ OTHER_PROGRAMS = {
         "python3 -m server.camera --help",
         "python3 -m server.ros.rosout --help",
         "python3 -m server.announcer --help",
+        "python3 -m server.entrance --help",
     ],
     "rosberry": [
         "python3 -m robot.serial_node --help",
