@@ -3,13 +3,15 @@ no other."""
 
 import asyncio
 import logging
+import socket
 import ssl
 import threading
 from collections.abc import Callable, Sequence
 from functools import cache
-from urllib.parse import urlsplit
+from urllib.parse import SplitResult, urlsplit
 
 from laser_bot_battle.arena_list import ListedArena
+from server.entrance.lookups import LookUp, Lookups
 from server.entrance.seen import MAX_SIZE, Seen, read_seen
 
 PERIOD = 2.0  # s between two questions to an arena
@@ -21,21 +23,32 @@ _MAX_HEAD = 16 * 1024  # bytes
 _log = logging.getLogger(__name__)
 
 
-async def ask(origin: str, within: float = WITHIN) -> Seen:
+async def ask(origin: str, lookups: Lookups, within: float = WITHIN) -> Seen:
     """How the arena at `origin` (http://host:port) is. OSError (TimeoutError among them) or ValueError: it cannot be
     known."""
     url = urlsplit(origin)
-    is_secure = url.scheme == "https"
     async with asyncio.timeout(within):
-        reader, writer = await asyncio.open_connection(
-            url.hostname, url.port or (443 if is_secure else 80), ssl=_trust() if is_secure else None
-        )
+        reader, writer = await _connect(url, lookups)
         try:
             # by HTTP/1.0 the answer ends with the connection: there is no framing to be cheated with
             writer.write(f"GET {_PATH} HTTP/1.0\r\nHost: {url.netloc}\r\nAccept: application/json\r\n\r\n".encode())
             return read_seen(_body(await _all(reader)))
         finally:
             writer.transport.abort()  # whoever does not close it does not keep it
+
+
+async def _connect(url: SplitResult, lookups: Lookups) -> tuple[asyncio.StreamReader, asyncio.StreamWriter]:
+    """To the first of its addresses that takes it."""
+    host, is_secure = url.hostname or "", url.scheme == "https"
+    port = url.port or (443 if is_secure else 80)
+    trust, name = (_trust(), host) if is_secure else (None, None)
+    failure = OSError(f"{host} has no address")
+    for address in await lookups.addresses(host, port):
+        try:
+            return await asyncio.open_connection(address, port, ssl=trust, server_hostname=name)
+        except OSError as error:
+            failure = error
+    raise failure
 
 
 @cache
@@ -64,8 +77,14 @@ def _body(answer: bytes) -> bytes:
 class Watcher:
     """Tells `hear` what the arena of a name has said."""
 
-    def __init__(self, arenas: Sequence[ListedArena], hear: Callable[[str, Seen], None]) -> None:
+    def __init__(
+        self,
+        arenas: Sequence[ListedArena],
+        hear: Callable[[str, Seen], None],
+        look_up: LookUp = socket.getaddrinfo,
+    ) -> None:
         self._arenas, self._hear = arenas, hear
+        self._lookups = Lookups(look_up)
         self._away: dict[str, str] = {}  # why, by name
         self._ending = threading.Event()
 
@@ -91,7 +110,7 @@ class Watcher:
 
     async def _ask(self, arena: ListedArena) -> None:
         try:
-            seen = await ask(arena.inside)
+            seen = await ask(arena.inside, self._lookups)
         except (OSError, ValueError) as error:
             reason = str(error) or f"no whole answer within {WITHIN:g} s"
             if arena.name not in self._away:

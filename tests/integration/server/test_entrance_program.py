@@ -31,9 +31,13 @@ class Arena(BaseHTTPRequestHandler):
         """Nobody reads it."""
 
 
+class Server(ThreadingHTTPServer):
+    daemon_threads = False  # its end is that of its answers, too
+
+
 @pytest.fixture
-def arena() -> Iterator[ThreadingHTTPServer]:
-    with ThreadingHTTPServer(("127.0.0.1", 0), Arena) as server:
+def arena() -> Iterator[Server]:
+    with Server(("127.0.0.1", 0), Arena) as server:
         serving = threading.Thread(target=server.serve_forever)
         serving.start()
         yield server
@@ -41,7 +45,7 @@ def arena() -> Iterator[ThreadingHTTPServer]:
         serving.join()
 
 
-def test_it_tells_which_arenas_answer_and_ends_in_order(arena: ThreadingHTTPServer, tmp_path: Path) -> None:
+def test_it_tells_which_arenas_answer_and_ends_in_order(arena: Server, tmp_path: Path) -> None:
     port, alive = free_port(), tmp_path / "alive"
     environment = {
         "LASERBOT_BIND": "127.0.0.1",

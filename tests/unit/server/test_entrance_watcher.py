@@ -9,6 +9,7 @@ import pytest
 
 from laser_bot_battle.arena_list import ListedArena
 from laser_bot_battle.names import Game
+from server.entrance.lookups import Lookups
 from server.entrance.seen import MAX_SIZE
 from server.entrance.watcher import Watcher, ask
 from tests.support.polling import until
@@ -25,11 +26,11 @@ async def ask_one(answer, within=5.0):
         asked.append(await reader.readuntil(b"\r\n\r\n"))
         with contextlib.suppress(OSError, asyncio.CancelledError):
             await answer(writer)
-        writer.close()
+        writer.transport.abort()  # what is not sent yet keeps no socket open
 
     async with await asyncio.start_server(serve, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
-        seen = await ask(f"http://127.0.0.1:{port}", within)
+        seen = await ask(f"http://127.0.0.1:{port}", Lookups(), within)
         return seen, asked[0], port
 
 
@@ -90,13 +91,13 @@ def test_a_silent_arena_holds_up_no_other():
     async def serve_both(started, done):
         async def stay(reader, writer):
             await asyncio.to_thread(done.wait)
-            writer.close()
+            writer.transport.abort()
 
         async def tell(reader, writer):
             await reader.readuntil(b"\r\n\r\n")
             writer.write(HEAD + STATE)
             await writer.drain()
-            writer.close()
+            writer.transport.abort()
 
         one, two = [await asyncio.start_server(serve, "127.0.0.1", 0) for serve in (stay, tell)]
         async with one, two:
@@ -119,3 +120,51 @@ def test_a_silent_arena_holds_up_no_other():
         done.set()
         watching.join()
         serving.join()
+
+
+def test_a_name_server_that_is_silent_holds_up_no_other_arena_and_is_asked_once_at_a_time():
+    answers = threading.Event()
+    asked = []
+
+    def look_up(host, port, **_):
+        asked.append(host)
+        if host == "silent.example":
+            answers.wait()
+        return [(None, None, None, None, ("192.0.2.1", port))]
+
+    async def all_at_once():
+        lookups = Lookups(look_up)
+        for _ in range(3):
+            with pytest.raises(TimeoutError):
+                await asyncio.wait_for(lookups.addresses("silent.example", 80), 0.05)
+        assert await lookups.addresses("well.example", 80) == ["192.0.2.1"]
+        assert asked == ["silent.example", "well.example"]
+        answers.set()
+        assert await lookups.addresses("silent.example", 80) == ["192.0.2.1"]
+
+    asyncio.run(all_at_once())
+
+
+def test_a_host_that_nobody_knows_is_an_arena_that_is_away():
+    def look_up(host, port, **_):
+        raise OSError("Name or service not known")
+
+    with pytest.raises(OSError, match=r"nobody knows red\.example: Name or service not known"):
+        asyncio.run(ask("http://red.example", Lookups(look_up)))
+
+
+def test_the_next_address_of_a_host_is_tried_when_one_takes_nothing():
+    async def both():
+        served = []
+
+        async def tell(reader, writer):
+            served.append(await reader.readuntil(b"\r\n\r\n"))
+            writer.write(HEAD + STATE)
+            writer.transport.abort()
+
+        async with await asyncio.start_server(tell, "127.0.0.2", 0) as server:
+            port = server.sockets[0].getsockname()[1]
+            places = [(None, None, None, None, (address, port)) for address in ("127.0.0.3", "127.0.0.2")]
+            return await ask(f"http://red.example:{port}", Lookups(lambda *_, **__: places))
+
+    assert asyncio.run(both()).free == 2
