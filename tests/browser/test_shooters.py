@@ -37,12 +37,26 @@ def play(*people: Person) -> None:
         expect(person.page.locator("#game-status")).to_have_text("PLAY!")
 
 
-def shown(page: Page, selector: str) -> str:
-    """The text of what is shown for a moment only, taken at sight."""
-    seen = page.wait_for_function(
-        "shown => document.querySelector(shown)?.textContent", arg=f"{selector}:not([hidden])"
-    )
-    return " ".join(str(seen.json_value()).split())
+NOTE = """selector => {
+  const look = () => {
+    const text = document.querySelector(`${selector}:not([hidden])`)?.textContent;
+    if (text) (window.noted ??= {})[selector] ??= text;
+  };
+  const all = { subtree: true, childList: true, characterData: true, attributes: true };
+  new MutationObserver(look).observe(document.body, all);
+}"""
+
+
+class Noted:
+    """The text of what will be shown for a moment only: the page itself looks, since a busy machine may be too late."""
+
+    def __init__(self, page: Page, selector: str) -> None:
+        self._page, self._selector = page, selector
+        page.evaluate(NOTE, selector)
+
+    def text(self) -> str:
+        noted = self._page.wait_for_function("selector => window.noted?.[selector]", arg=self._selector)
+        return " ".join(str(noted.json_value()).split())
 
 
 def test_shooter_and_victim_see_whose_hit_it_was(
@@ -50,10 +64,15 @@ def test_shooter_and_victim_see_whose_hit_it_was(
 ) -> None:
     ann, bob = people
     play(ann, bob)
+    mark, note, kill = (
+        Noted(ann.page, "#hit-mark"),
+        Noted(bob.page, "#hit-note"),
+        Noted(ann.page, "#hit-mark[data-kind=kill]"),
+    )
     with node(battle, "light", "shot:0", "hit:1:0"):
-        assert shown(ann.page, "#hit-mark") == "+1Bob"
+        assert mark.text() == "+1Bob"
         ann.page.screenshot(path=screenshots / "hit.png")
-        assert shown(bob.page, "#hit-note") == "Hit by Ann!"
+        assert note.text() == "Hit by Ann!"
         for person in (ann, bob):
             entry = person.page.locator("#feed li").first
             expect(entry).to_have_text("Ann hits Bob: 50%")
@@ -61,7 +80,7 @@ def test_shooter_and_victim_see_whose_hit_it_was(
         expect(ann.page.locator("#announcer")).to_have_text("You hit Bob: 50 percent left.")
         expect(bob.page.locator("#announcer")).to_have_text("Hit by Ann! Life 50 percent.")
     with node(battle, "light", "hit:1:0", "shot:0", "shot:0", "hit:1:0"):  # the first is nobody's: no shot is under way
-        assert shown(ann.page, "#hit-mark[data-kind=kill]") == "+1Bob is out!"
+        assert kill.text() == "+1Bob is out!"
     expect(ann.page.locator("#feed")).to_contain_text("Ann takes Bob out!")
     result = ann.page.locator("dialog[open]")
     for text in ("YOU WIN!", "3 shots fired", "2 of them hit", "accuracy 67%", "1 robot taken out"):

@@ -6,6 +6,7 @@ import socket
 import struct
 from collections.abc import Iterator
 
+import psutil
 import pytest
 
 from robot.board_server import MAX_OF_ONE_MACHINE
@@ -97,7 +98,8 @@ def test_each_board_is_a_robot_of_its_own_and_the_end_of_the_program_ends_all(
             assert len(robots(server)) == 2
             children = descendants(server.process.pid)
             assert server.stop(signal.SIGTERM) == 0
-            assert not [child for child in children if child.is_running()]
+            psutil.wait_procs(children, 5)
+            assert not [child for child in children if child.is_running() and child.status() != psutil.STATUS_ZOMBIE]
             until(lambda: first.closed and second.closed)
     assert "Traceback" not in server.output
 
