@@ -305,8 +305,9 @@ def test_in_the_light_check_each_robot_flashes_and_the_others_see_it(desk: Page,
     check.get_by_role("button", name="Light check").click()
     expect(check.get_by_role("status")).to_have_text("All robots flash and see.")
     expect(check.locator("#check-rows tr td[data-field=seen]")).to_have_text(["1", "0"])
-    battle.play_by(countdown=30)
     with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob:
+        expect(check.get_by_role("button", name="Light check")).to_contain_text("Players could shoot during it")
+        battle.play_by(practice=False, countdown=30)
         check.get_by_role("button", name="Light check").click()
         expect(check.get_by_role("button", name="Stop the light check")).to_be_visible()
         assert ann.ready() == bob.ready() == "OK"
@@ -377,7 +378,7 @@ def test_everybody_can_use_the_desk_in_german_too(
     desk.keyboard.press("Enter")
     expect(desk.locator("#robots-rows tr")).to_have_count(2)
     expect(desk.locator("#battle-state")).to_have_text("Kein Kampf")
-    expect(desk.locator("#start")).to_contain_text("zwei Spieler mit Robotern; es gibt 0")
+    expect(desk.locator("#start")).to_contain_text("zwei Spieler mit Robotern.")
     expect(desk.get_by_label("Schaden je Treffer")).to_be_visible()
     see("empty")
     robot_row(desk, 1).get_by_role("button", name="Außer Betrieb nehmen").click()
