@@ -36,29 +36,28 @@ class UnknownError(RefusedError):
 
 _NO_START = {
     "runs": "a battle is running already",
-    "restart": "a robot or the server is about to restart: wait some seconds",
     "too_few": "a battle takes two players with robots",
     "match": "the match takes both of its players with their robots",
 }
 
 
 def start(state: State, rules: Rules, by: str) -> list[Event]:
-    """The battle begins at once: with who is ready in a countdown, else with everybody who has a robot that is here."""
+    """The battle begins at once: with who is ready in a countdown, else with everybody who has a robot that is here. It
+    waits for nothing that is about to restart: the operator knows better."""
     why = why_no_start(state)
     if why:
         raise RefusedError(_NO_START[why])
     if state.game is Game.COUNTDOWN:
         return [state.next_battle(rules, by)]
     ready = [events.ReadyChanged(user.name, True) for user in _fighters(state) if not user.ready]
-    return [*ready, events.CountdownStarted(0, by)]  # the battle follows as it does every countdown
+    released = [events.Released(state.held.what)] if state.held else []
+    return [*released, *ready, events.CountdownStarted(0, by)]  # the battle follows as it does every countdown
 
 
 def why_no_start(state: State) -> str:
     """Why no battle can be started now, one of `_NO_START`; empty if one can."""
     if state.game is Game.PLAYING:
         return "runs"
-    if state.held is not None:
-        return "restart"
     if state.game is Game.COUNTDOWN or len(_fighters(state)) >= 2:
         return ""
     return "match" if state.is_match else "too_few"

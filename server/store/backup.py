@@ -62,13 +62,18 @@ def restore(source: Path, database: Path) -> Path | None:
             given.backup(copy)
         check(part)
         with _alone(database):
-            before = database.with_name(f"{database.name}.before") if database.exists() else None
+            before = _unused(f"{database}.before") if database.exists() else None
             if before:
                 database.replace(before)
             for suffix in ("-wal", "-shm"):
                 database.with_name(database.name + suffix).unlink(missing_ok=True)
             settle(part, database)
     return before
+
+
+def _unused(path: str) -> Path:
+    """`path`, or with the next number behind it: what an earlier restore has put aside is perhaps the better one."""
+    return next(file for number in ("", *range(2, 1000)) if not (file := Path(f"{path}{number}")).exists())
 
 
 def bring_back(held: sqlite3.Connection, database: Path) -> None:

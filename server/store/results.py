@@ -8,7 +8,20 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import URL, Connection, Engine, NullPool, Row, Select, create_engine, exists, func, select, union_all
+from sqlalchemy import (
+    URL,
+    Connection,
+    Engine,
+    NullPool,
+    Row,
+    Select,
+    cast,
+    create_engine,
+    exists,
+    func,
+    select,
+    union_all,
+)
 from sqlalchemy.exc import SQLAlchemyError
 
 from laser_bot_battle.names import Game
@@ -153,7 +166,8 @@ class Results:
             if not connection.scalar(select(exists().where(is_left_over()))):
                 return _best(connection, added)
             both = union_all(added, sums().where(is_left_over())).subquery().c
-            totals = (func.sum(both[name]).label(name) for name in (*COUNTS, *SHOOTING))
+            # PostgreSQL's sum of its large integers is numeric, which JSON has no word for
+            totals = (cast(func.sum(both[name]), both[name].type).label(name) for name in (*COUNTS, *SHOOTING))
             return _best(connection, select(both.name, *totals).group_by(both.name))
 
     def winners(self, begin: float, end: float) -> list[list[tuple[str, bool]]]:

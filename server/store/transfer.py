@@ -130,16 +130,17 @@ def _be_alone(connection: Connection) -> None:
 
 
 def _put_aside(connection: Connection) -> str | None:
-    """Move the tables that are there into a schema of their own, in the place of an earlier one's."""
+    """Move the tables that are there into a schema of their own, beside those of earlier times."""
     there = set(inspect(connection).get_table_names())
     names = [table.name for table in schema.metadata.sorted_tables if table.name in there]
     if not names:
         return None
-    connection.execute(text(f"DROP SCHEMA IF EXISTS {BEFORE} CASCADE"))
-    connection.execute(text(f"CREATE SCHEMA {BEFORE}"))
+    taken = inspect(connection).get_schema_names()
+    before = next(name for number in ("", *range(2, 1000)) if (name := f"{BEFORE}{number}") not in taken)
+    connection.execute(text(f"CREATE SCHEMA {before}"))
     for name in names:
-        connection.execute(text(f'ALTER TABLE "{name}" SET SCHEMA {BEFORE}'))
-    return BEFORE
+        connection.execute(text(f'ALTER TABLE "{name}" SET SCHEMA {before}'))
+    return before
 
 
 def _only_read(file: Path) -> Engine:

@@ -67,7 +67,8 @@ class SignUps:
 
     def wait(self, name: str) -> float:
         """Count the request as a sign-up, or (not 0) return the s until there may be one from its address."""
-        one_address().came(name, visitor_address(), time.monotonic())
+        if not is_bot(name):
+            one_address().came(name, visitor_address(), time.monotonic())
         if is_this_machine():
             return 0.0
         buckets = self._bots if is_bot(name) else self._people

@@ -26,7 +26,6 @@ test("only what makes sense now may be pressed, and the rest says why not", () =
   assert.deepEqual(reasons({ why_no_start: "too_few" }).slice(0, 2), [
     "Neither a countdown nor a battle is running.", "It takes two players with robots.",
   ]);
-  assert.match(reasons({ why_no_start: "restart" })[1], /about to restart/);
   assert.match(reasons({ why_no_start: "match" })[1], /^This match needs both/);
   const playing = { state: "playing", why_no_start: "runs" };
   assert.equal(reasons(playing)[1], "A battle is running already.");

@@ -23,10 +23,12 @@ async def ask_one(answer, within=5.0):
     asked = []
 
     async def serve(reader, writer):
-        asked.append(await reader.readuntil(b"\r\n\r\n"))
-        with contextlib.suppress(OSError, asyncio.CancelledError):
-            await answer(writer)
-        writer.transport.abort()  # what is not sent yet keeps no socket open
+        try:
+            asked.append(await reader.readuntil(b"\r\n\r\n"))
+            with contextlib.suppress(OSError):
+                await answer(writer)
+        finally:
+            writer.transport.abort()  # what is not sent yet keeps no socket open
 
     async with await asyncio.start_server(serve, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
@@ -90,8 +92,10 @@ def test_a_silent_arena_holds_up_no_other():
 
     async def serve_both(started, done):
         async def stay(reader, writer):
-            await asyncio.to_thread(done.wait)
-            writer.transport.abort()
+            try:
+                await asyncio.to_thread(done.wait)
+            finally:
+                writer.transport.abort()
 
         async def tell(reader, writer):
             await reader.readuntil(b"\r\n\r\n")

@@ -28,7 +28,7 @@ export function battleText({ state, paused, time_left, battle, notice }) {
 
 /**
  * The battle's buttons; the first of them changes between pause and resume.
- * @param {{state: string, paused: boolean, why_no_start: ""|"runs"|"restart"|"too_few"|"match"}} game
+ * @param {{state: string, paused: boolean, why_no_start: ""|"runs"|"too_few"|"match"}} game
  * @returns {Record<string, {action: string, text: string, why: string}>} by the button's id; `why` it cannot be pressed
  *   now, empty if it can
  */
@@ -42,7 +42,7 @@ export function battleButtons({ state, paused, why_no_start }) {
   };
 }
 
-const WHY_NO_START = { runs: "desk.why_runs", too_few: "desk.why_too_few", match: "desk.why_match", restart: "desk.why_restart" };
+const WHY_NO_START = { runs: "desk.why_runs", too_few: "desk.why_too_few", match: "desk.why_match" };
 
 /** How long ago something was heard; null: never. */
 export function ageText(seconds) {

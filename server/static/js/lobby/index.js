@@ -136,7 +136,7 @@ async function offerRestore() {
     if (guest?.plays) form.requestSubmit();
     return;
   }
-  if (guest?.plays) {
+  if (guest?.plays && session.user === guest.name) {
     enter(session);
     return;
   }
