@@ -1,5 +1,6 @@
 """The standings of all battles: the same as if all battles were read again, whoever wrote them, and when."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -11,6 +12,9 @@ from server.store.forget import forget
 from server.store.results import Results
 from server.store.tally import tally, tally_left_over
 from tests.support.databases import rows
+from tests.support.postgres import Postgres, postgres
+
+__all__ = ["postgres"]
 
 EVER = (0.0, 1e12)
 
@@ -67,6 +71,17 @@ def test_battles_are_added_up(season: Season):
         ("cyd", 0, 2, 6),
     ]
     assert season.is_right
+
+
+def test_a_server_that_adds_up_what_is_left_over_gives_whole_numbers(postgres: Postgres):
+    season = Season(postgres.new_database())
+    season.add(season.fight("ann", "bob"))
+    season.fight("bob", "ann")
+    standings = season.results.standings()
+    assert json.loads(json.dumps([(one.name, one.wins, one.hits, one.given) for one in standings])) == [
+        ["ann", 1, 3, 6],
+        ["bob", 1, 3, 6],
+    ]
 
 
 def test_a_battle_is_added_once(season: Season):
