@@ -1,6 +1,7 @@
 """One client's WebSocket, which may be slow, rude or dead."""
 
 import asyncio
+import contextlib
 import logging
 import socket
 import struct
@@ -284,7 +285,8 @@ class Connection(asyncio.BufferedProtocol):
         self._closing = self._blocked = True
         self._end, self._outbox = end, None
         self._transport.write(close_frame(code, reason))
-        self._transport.write_eof()
+        with contextlib.suppress(OSError):  # the other side has gone, and has answered the frame with a reset
+            self._transport.write_eof()
         # a socket closed with unread data would be reset, and the close frame lost
         self._transport.resume_reading()
         self._cut = self._state.loop.call_later(CLOSE_TIMEOUT, self._transport.abort)

@@ -30,12 +30,14 @@ class EchoBridge:
         self.went: list[str] = []
         self.received_bytes = 0
         self.order: list[str] = []  # the names, a message each
+        self.newest: Connection
 
     def owner(self, identity: Identity, address: str) -> SocketOwner:
         return owner_of(identity, bool(identity.session), address)
 
     def connected(self, connection: Connection, identity: Identity) -> Connection:
         self.came.append(connection.name)
+        self.newest = connection
         return connection
 
     def received(self, client: Connection, data: str | bytes) -> None:

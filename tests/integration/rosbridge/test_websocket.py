@@ -286,6 +286,23 @@ def test_at_the_end_all_are_told_and_nobody_holds_it_up(loop_factory: LoopFactor
         assert len(echo.bridge.went) == 2
 
 
+def test_a_client_that_has_just_gone_can_be_closed(echo: EchoServer) -> None:
+    """Its end has come, and has not been read yet; the kernel then answers what is sent with a reset."""
+    with echo.raw() as client:
+        client.sendall(HANDSHAKE.encode())
+        assert client.recv(4096).startswith(b"HTTP/1.1 101 ")
+        closed = threading.Event()
+
+        def go_and_close() -> None:
+            client.close()
+            echo.bridge.newest.close(1001)
+            closed.set()
+
+        echo.in_loop(go_and_close)
+        assert closed.wait(5)
+    until(lambda: echo.bridge.went == echo.bridge.came)
+
+
 def test_who_floods_does_not_keep_the_others_waiting(echo: EchoServer) -> None:
     """Two guests have sent thousands of messages, and a player one, before the server looks at any of them."""
     flood = b"\x81\x82\x00\x00\x00\x00hi" * 3000
