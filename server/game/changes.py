@@ -32,6 +32,7 @@ def _change(_event: Event, _state: State, _at: float) -> None:
 @_change.register
 def _robot_came(event: events.RobotCame, state: State, at: float) -> None:
     state.robots.put(event.robot, event.caller, at, event.key, event.address)
+    state.may_hold_until.pop(event.robot, None)
     for user in state.users:
         if user.robot == event.robot:
             user.robot_gone_at = None
@@ -195,6 +196,7 @@ def _battle_started(event: events.BattleStarted, state: State, at: float) -> Non
     state.game, state.battle, state.ends_at, state.paused_at = Game.PLAYING, event.battle, at + event.seconds, None
     state.began_at, state.teams, state.happened = at, event.teams, ()
     state.protected_until = at + event.protection
+    state.may_hold_until.pop(None, None)
     fighters = {fighter.name: (fighter.team, fighter.handicap) for fighter in event.fighters}
     for user in state.users:
         user.enter_battle(*fighters.get(user.name, (0, 0)), at)

@@ -30,6 +30,7 @@ from server.game.teams import sides
 from server.game.users import User, Waiting, contains_word, is_same_name
 
 HOLD = 10.0  # s after the last word of somebody who is about to restart, for which no countdown begins
+HOLD_AT_MOST = 60.0  # s after the end of its battle; what asks longer does not restart
 FRESH = 0.1  # s that the seconds of seats and queue, and the counts of shots, may be old
 
 
@@ -114,7 +115,9 @@ class Referee:
         the end of its battle at most, and ask again each second; 0: not at all.
 
         Until it has ended, no countdown begins, and one that runs stops. But any visitor could ask: that is so only if
-        a robot says it of itself, from the address by which it has registered, or a program on this machine.
+        a robot says it of itself, from the address by which it has registered, or a program on this machine. A robot
+        may do so for a while, and then not before it has restarted, and registered again; the machine's programs once
+        a battle.
         """
         self.tick(now)
         state, caller = self._state, client_name(robot_name)
@@ -124,12 +127,17 @@ class Referee:
             return state.time_left(now)
         if robot is None and robot_name:
             return 0.0
-        if state.held is None:
-            self._decide(events.Held(f"robot {robot.id}" if robot else "the server"), now)
-        state.held_until = now + HOLD
-        self._due = min(self._due, state.held_until)
         fights = robot is None or any(user.robot == robot.id for user in state.users.get_users_ready())
-        return max(1.0, state.time_left(now)) if state.game is Game.PLAYING and fights else 0.0
+        wait = max(1.0, state.time_left(now)) if state.game is Game.PLAYING and fights else 0.0
+        holder = robot.id if robot else None
+        held_until = min(now + HOLD, state.may_hold_until.setdefault(holder, now + wait + HOLD_AT_MOST))
+        if held_until > now:
+            if state.held is None:
+                self._decide(events.Held(f"robot {robot.id}" if robot else "the server"), now)
+                state.held_until = held_until
+            state.held_until = max(state.held_until, held_until)
+            self._due = min(self._due, state.held_until)
+        return wait
 
     def shot(self, robot_id: int, now: float) -> bool:
         """A robot was told to shoot; whether that is a shot of a living fighter."""

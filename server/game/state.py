@@ -38,6 +38,7 @@ class State:
     notice: Notice = ""
     held: events.Held | None = None  # why no countdown begins
     held_until: float = 0.0
+    may_hold_until: dict[int | None, float] = field(default_factory=dict)  # by robot that has held, None: the server
     queue: list[Waiting] = field(default_factory=list)  # for a robot, the next one first
     leavers: list[User] = field(default_factory=list)  # who was in the running battle and has gone
     result: tuple[Placing, ...] = ()

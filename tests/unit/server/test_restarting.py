@@ -6,7 +6,7 @@ import pytest
 
 from server.game import desk
 from server.game.loop import GameLoop
-from server.game.referee import HOLD, Referee
+from server.game.referee import HOLD, HOLD_AT_MOST, Referee
 from server.game.rules import Rules
 from server.web.settings import Settings
 from tests.support.linked import add_linked_robot
@@ -132,6 +132,77 @@ def test_a_new_program_holds_nothing(match):
     match.ready("ada", ready=False)
     match.ready("ada")
     assert match.state.game == 1
+
+
+def ask_for(match, seconds, **asked):
+    """Who asks does so each second."""
+    for _ in range(int(seconds)):
+        restarting(match, **asked)
+        match.wait(1)
+
+
+def begin(match):
+    match.ready("ada", "bob")
+    match.wait(15)
+    assert match.state.game == 2
+
+
+def begins(match):
+    """Whether the next battle does. Each beginning is taken back."""
+    match.ready("ada", "bob")
+    began = match.state.game == 1
+    match.ready("ada", "bob", ready=False)
+    return began
+
+
+@pytest.mark.parametrize("asked", [{"name": ROBOT_2, "address": AT}, {"name": ROBOT_0, "address": AT}])
+def test_a_robot_that_asks_for_ever_holds_only_for_a_while(match, asked):
+    match.sign_up("ada", "bob")
+    ask_for(match, HOLD_AT_MOST - 1, **asked)
+    assert not begins(match)
+    ask_for(match, 2, **asked)
+    assert begins(match)
+    begin(match)
+    restarting(match, **asked)
+    match.hit("bob", 10)
+    ask_for(match, 60, **asked)
+    assert begins(match), "nor a later battle"
+
+
+def test_the_wait_for_its_battle_is_not_counted(fight):
+    for _ in range(3):
+        ask_for(fight, 90, name=ROBOT_0, address=AT)
+    fight.hit("bob", 10)
+    restarting(fight, ROBOT_0, AT)
+    assert not begins(fight)
+
+
+def test_it_may_hold_again_when_it_has_restarted(match):
+    match.sign_up("ada", "bob")
+    ask_for(match, HOLD_AT_MOST + 1, name=ROBOT_2, address=AT)
+    assert begins(match)
+    match.register(f"/id_service_client_{ROBOT_2}")
+    restarting(match, ROBOT_2, AT)
+    assert not begins(match)
+
+
+def test_another_one_holds_for_its_own_while(match):
+    match.sign_up("ada", "bob")
+    ask_for(match, HOLD_AT_MOST, name=ROBOT_2, address=AT)
+    restarting(match, ROBOT_0, AT)
+    restarting(match, ROBOT_2, AT)
+    assert not begins(match)
+    assert match.state.notice == "", "nobody is ready"
+
+
+def test_the_servers_programs_may_hold_once_a_battle(match):
+    match.sign_up("ada", "bob")
+    ask_for(match, HOLD_AT_MOST + 1, is_local=True)
+    assert begins(match)
+    begin(match)
+    match.hit("bob", 10)
+    restarting(match, is_local=True)
+    assert not begins(match)
 
 
 class Site:
