@@ -236,9 +236,10 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
 @_change.register
 def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
     _leave_out_pause(state, state.users, at)
+    ended_at = at if state.paused_at is None else state.paused_at
     state.game, state.notice, state.paused_at = Game.STOPPED, f"Battle over: {event.cause}.", None
     if event.counts:
-        state.lengths = (*state.lengths, at - state.began_at)[-MEASURED:]
+        state.lengths = (*state.lengths, ended_at - state.began_at)[-MEASURED:]
         state.losing = handicap.follow(state.losing, event.result)
         state.winning = rivalry.follow(state.winning, event.result)
     state.result = tuple(_completed(placing, state, at) for placing in event.result) if event.counts else ()

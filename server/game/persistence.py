@@ -36,6 +36,7 @@ def save(state: State, now: float) -> dict[str, Any]:
         "left": state.ends_at - stands_at,
         "protected": state.protected_until - stands_at,
         "paused": state.paused_at is not None,
+        "paused_for": now - stands_at,
         "battle": state.battle,
         "began": state.began_at - now,
         "lengths": list(state.lengths),
@@ -118,14 +119,14 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             if offered is not None:
                 offered.user = waiting.name
         is_paused = bool(saved.get("paused"))
-        stood_at = now if is_paused else then
+        stood_at = then - float(saved.get("paused_for", 0))
         return State(
             robots=robots,
             users=users,
             game=Game(saved["game"]),
             ends_at=stood_at + float(saved["left"]),
             protected_until=stood_at + float(saved.get("protected", 0)),
-            paused_at=now if is_paused else None,
+            paused_at=stood_at if is_paused else None,
             battle=int(saved["battle"]),
             began_at=then + float(saved.get("began", 0)),
             lengths=tuple(map(float, saved.get("lengths", ()))),

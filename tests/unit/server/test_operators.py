@@ -204,6 +204,30 @@ def test_a_pause_is_no_time_in_which_anybody_has_fought(match, leaves):
         assert by_name[name].fought(journal[-1].at - began) == pytest.approx(seconds, abs=0.5)
 
 
+def test_nor_is_one_in_which_the_program_was_restarted(match):
+    match.start("ada", "bob")
+    match.wait(10)
+    operate(match, desk.pause)
+    match.wait(20)
+    match.restart(pause=5.0)
+    match.wait(20)
+    operate(match, desk.resume)
+    match.wait(10)
+    match.hit("bob", 10)
+    assert match.placing("ada").seconds == pytest.approx(21, abs=0.5)
+    assert match.referee.saved(match.now)["lengths"] == pytest.approx([21], abs=0.5)
+
+
+def test_a_battle_that_ends_in_a_pause_is_not_longer_by_it(match):
+    match.start("ada", "bob")
+    match.wait(10)
+    operate(match, desk.pause)
+    match.wait(50)
+    match.sign_out("bob")
+    assert match.state.game == 0
+    assert match.referee.saved(match.now)["lengths"] == pytest.approx([10], abs=0.5)
+
+
 # rules
 
 
