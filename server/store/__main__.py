@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
         return command
 
     add("backup", "FILE", "save all in FILE (- for standard output), while the server runs or not")
-    keep = add("keep", "FOLDER", "save all in FOLDER, as laserbot-DATE.db, and delete the oldest backups there")
+    keep = add("keep", "FOLDER", "save all in FOLDER, as laserbot-DATE.db, and delete what is superfluous there")
     keep.add_argument("--daily", metavar="HH:MM", type=_time_of_day, help="each day at that time, until it is ended")
     add(
         "restore",
@@ -127,10 +127,12 @@ def _keep_daily(url: URL, given: Namespace) -> int:
 
 def _restore(url: URL, given: Namespace) -> str:
     file = given.what
-    with backup.received(_room(url)) if file == "-" else nullcontext(Path(file)) as source:
-        restored, before = keeping.put_back(url, source, _progress)
+    with backup.received(_room(url)) if file == "-" else nullcontext(Path(file)) as given_file:
+        is_folder = given_file.is_dir()
+        source = keeping.newest(given_file, datetime.now().astimezone()) if is_folder else given_file
+        before = keeping.put_back(url, source, _progress)
     kept = f"; what was there is kept as {before}" if before else ""
-    from_where = "the backup" if file == "-" else restored
+    from_where = "the backup" if file == "-" else source
     return f"{url.database} is as in {from_where}{kept}. The web server can be started."
 
 

@@ -1,11 +1,11 @@
-"""A folder of backups: the newest ones stay, and each is whole."""
+"""A folder of backups: those of the newest days stay, and each is whole."""
 
 import fcntl
 import re
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from datetime import UTC, datetime, timedelta
+from datetime import UTC, date, datetime, timedelta
 from datetime import time as time_of_day
 from pathlib import Path
 
@@ -17,6 +17,7 @@ from server.store.backup import CopyError
 _FORM = "laserbot-%Y-%m-%dT%H%M%SZ.db"
 _NAME = re.compile(r"laserbot-\d{4}-\d\d-\d\dT\d{6}Z\.db")
 _LOCK = ".lock"
+_AHEAD = timedelta(minutes=10)  # that clocks of a cluster's nodes may differ
 _MARGIN = 2**20  # bytes, for what a file system keeps about a file
 
 
@@ -27,44 +28,55 @@ def save(url: URL, target: Path, progress: Callable[[int], None]) -> int:
     return backup.back_up(file, target, progress) if file else transfer.back_up(url, target, progress)
 
 
-def put_back(url: URL, source: Path, progress: Callable[[int], None]) -> tuple[Path, str]:
-    """Put what `source`, a file or a folder of backups, has in the place of the database; returns the file, and where
-    that database is kept ("" if there was none). CopyError, OSError."""
-    if source.is_dir():
-        source = newest(source)
+def put_back(url: URL, source: Path, progress: Callable[[int], None]) -> str:
+    """Put what the file `source` has in the place of the database; returns where that is kept, "" if there was none.
+    CopyError, OSError."""
     file = backup.sqlite_file(url)
     if file:
         before = backup.restore(source, file)
-        return source, str(before or "")
+        return str(before or "")
     schema = transfer.restore(source, url, progress)
-    return source, f"its schema {schema}" if schema else ""
+    return f"its schema {schema}" if schema else ""
 
 
 def keep(
     url: URL, folder: Path, number: int, now: datetime, progress: Callable[[int], None]
 ) -> tuple[Path, list[Path]]:
-    """Save the database in the folder, and delete all but the newest `number` backups there; returns the new one, and
+    """Save the database in the folder, and delete the backups there that are superfluous then; returns the new one, and
     those that were deleted. CopyError, OSError: then all are still there."""
     with _alone_in(folder):
         _check_room(folder, _size(url))
         made = folder / f"{now.astimezone(UTC):{_FORM}}"
         save(url, made, progress)
         # the new one stays, even if the clock has been set back
-        others = [path for path in backups(folder) if path != made]
-        superfluous = others[: max(len(others) + 1 - number, 0)]
-        for path in superfluous:
+        others = [path for path in backups(folder, now) if path != made]
+        deleted = superfluous([*others, made], number)
+        for path in deleted:
             path.unlink()
-    return made, superfluous
+    return made, deleted
 
 
-def backups(folder: Path) -> list[Path]:
-    """Oldest first."""
-    return sorted(path for path in folder.iterdir() if _NAME.fullmatch(path.name))
+def superfluous(paths: Sequence[Path], number: int) -> list[Path]:
+    """Of these backups, the oldest first: all but the newest of each of the last `number` days, and the last day's
+    other ones, of which as many stay. So those before updates take the place of no other day's, nor of each other."""
+    days: dict[date, list[Path]] = {}
+    for path in reversed(paths):
+        days.setdefault(_made_at(path).date(), []).append(path)
+    last, *earlier = days.values()
+    stay = {*last[:number], *(of_day[0] for of_day in earlier[: number - 1])}
+    return [path for path in paths if path not in stay]
 
 
-def newest(folder: Path) -> Path:
+def backups(folder: Path, now: datetime) -> list[Path]:
+    """Oldest first. What a clock that was ahead has dated in the future is of an unknown time: it counts as older than
+    all others."""
+    there = [path for path in folder.iterdir() if _NAME.fullmatch(path.name)]
+    return sorted(there, key=lambda path: (_made_at(path) <= now + _AHEAD, path))
+
+
+def newest(folder: Path, now: datetime) -> Path:
     """CopyError if there is none."""
-    there = backups(folder)
+    there = backups(folder, now)
     if not there:
         raise CopyError(f"there is no backup in {folder}")
     return there[-1]
@@ -73,11 +85,15 @@ def newest(folder: Path) -> Path:
 def is_due(folder: Path, at: time_of_day, now: datetime) -> bool:
     """Whether there is no backup since it was last that time of day, in the time zone of `now`. CopyError, OSError."""
     _check_folder(folder)
-    made = [datetime.strptime(path.name, _FORM).replace(tzinfo=UTC) for path in backups(folder)]
+    made = map(_made_at, backups(folder, now))
     today = datetime.combine(now.date(), at, now.tzinfo)
     last = today if today <= now else today - timedelta(days=1)
     # the clock of a host without a battery may have been ahead
     return not any(last <= moment <= now for moment in made)
+
+
+def _made_at(path: Path) -> datetime:
+    return datetime.strptime(path.name, _FORM).replace(tzinfo=UTC)
 
 
 def _size(url: URL) -> int:

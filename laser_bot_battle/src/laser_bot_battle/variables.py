@@ -324,7 +324,7 @@ BACKUPS = whole(
     14,
     1,
     1000,
-    "how many [backups](results.md#back-up-and-restore) stay: each new one deletes the oldest beyond that",
+    "of how many days the newest [backup](results.md#back-up-and-restore) stays; of the last day, as many",
 )
 BACKUP_VOLUME = words(
     "LASERBOT_BACKUP_VOLUME",

@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import closing
-from datetime import UTC, datetime, time
+from datetime import UTC, datetime, time, timedelta
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -23,6 +23,7 @@ from tests.support.polling import until
 from tests.support.programs import ROOT, Program
 
 EVENING = datetime(2026, 11, 28, 20, 15, tzinfo=UTC)
+LATER = datetime.max.replace(tzinfo=UTC) - timedelta(days=1)
 ENVIRONMENT = {"PYTHONPATH": f"{ROOT}:{ROOT}/build/python"}
 
 
@@ -77,7 +78,7 @@ def test_the_newest_stay_and_other_files_too(keep, folder: Path) -> None:
     made = [keep(EVENING.replace(day=day), number=3)[0] for day in (3, 1, 2)]
     new, deleted = keep(EVENING.replace(day=4), number=3)
     assert names(deleted) == [made[1].name]
-    assert keeping.backups(folder) == [made[2], made[0], new]
+    assert keeping.backups(folder, LATER) == [made[2], made[0], new]
     assert {"laserbot-old.db", "notes.txt"} <= set(everything(folder))
 
 
@@ -85,7 +86,7 @@ def test_the_new_one_stays_though_the_clock_went_back(keep, folder: Path) -> Non
     old, _ = keep()
     new, deleted = keep(EVENING.replace(year=1970), number=1)
     assert deleted == [old]
-    assert keeping.backups(folder) == [new]
+    assert keeping.backups(folder, LATER) == [new]
 
 
 def test_what_a_killed_one_has_left_is_deleted(keep, folder: Path) -> None:
@@ -137,18 +138,59 @@ def full(connect: Callable[..., sqlite3.Connection]) -> Callable[..., sqlite3.Co
     return limited
 
 
+@pytest.mark.parametrize(
+    ("made", "number", "stay"),
+    [
+        ("01T04 02T04 03T04 04T04", 3, "02T04 03T04 04T04"),
+        ("01T04 02T04 02T20 03T04 03T20", 3, "01T04 02T20 03T04 03T20"),
+        ("01T04 02T04 02T05 02T06 02T07", 3, "01T04 02T05 02T06 02T07"),
+        ("01T04 02T04 02T20", 1, "02T20"),
+        ("30T04 01T04 02T04 03T04", 3, "01T04 02T04 03T04"),
+        ("30T04 03T04", 3, "30T04 03T04"),
+    ],
+    ids=["nightly", "before updates, too", "a bad day", "only one", "of a clock that was ahead", "which may stay"],
+)
+def test_what_stays(made: str, number: int, stay: str, folder: Path) -> None:
+    paths = {moment: folder / f"laserbot-2026-11-{moment}0000Z.db" for moment in made.split()}
+    for path in paths.values():
+        path.touch()
+    there = keeping.backups(folder, EVENING.replace(day=4))
+    assert there == list(paths.values())
+    deleted = keeping.superfluous(there, number)
+    assert [path for path in there if path not in deleted] == [paths[moment] for moment in stay.split()]
+
+
+def test_the_newest_of_a_folder_is_not_one_of_the_future(keep, url: URL, folder: Path) -> None:
+    for day in (27, 28, 30):
+        keep(EVENING.replace(day=day))
+    now = EVENING - timedelta(minutes=5)  # another node's clock
+    assert keeping.newest(folder, now).name == "laserbot-2026-11-28T201500Z.db"
+    assert keeping.newest(folder, EVENING.replace(year=1970)).name == "laserbot-2026-11-30T201500Z.db"
+
+
 def test_the_newest_of_a_folder_is_put_back(keep, url: URL, folder: Path, tmp_path: Path) -> None:
     database = Path(url.database or "")
     for day in (2, 1):
         with closing(sqlite3.connect(database)) as connection:
             connection.execute(f"PRAGMA user_version={day}")
-        keep(EVENING.replace(day=day))
-    restored, before = keeping.put_back(url, folder, lambda percent: None)
-    assert (restored.name, before) == ("laserbot-2026-11-02T201500Z.db", f"{database}.before")
+        keep(EVENING.replace(year=1999, day=day))
+    done = store("restore", str(folder), LASERBOT_DATA=str(database.parent))
+    assert f"as in {folder}/laserbot-1999-11-02T201500Z.db; what was there is kept as {database}.before" in done.stderr
     with closing(sqlite3.connect(database)) as connection:
         assert connection.execute("PRAGMA user_version").fetchone() == (2,)
-    with pytest.raises(CopyError, match="there is no backup in"):
-        keeping.put_back(url, tmp_path, lambda percent: None)
+    assert "there is no backup in" in store("restore", str(tmp_path), LASERBOT_DATA=str(database.parent)).stderr
+
+
+def store(*words: str, **environment: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "server.store", *words],
+        cwd=environment["LASERBOT_DATA"],
+        env={"PATH": os.environ["PATH"], **ENVIRONMENT, **environment},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
 
 
 AT = time(4)
@@ -185,12 +227,12 @@ def test_the_daily_program_makes_up_for_what_it_has_missed_and_ends(keep, url: U
     try:
         program.wait_for(f"deleted: {old.name}")
         until(alive.exists, 10, "a sign of life")
-        (made,) = keeping.backups(folder)
+        (made,) = keeping.backups(folder, LATER)
         program.process.send_signal(signal.SIGTERM)
         assert program.process.wait(10) == 0
     finally:
         program.stop()
-    assert keeping.backups(folder) == [made]
+    assert keeping.backups(folder, LATER) == [made]
 
 
 @pytest.mark.parametrize(
@@ -202,15 +244,7 @@ def test_the_daily_program_makes_up_for_what_it_has_missed_and_ends(keep, url: U
     ],
 )
 def test_a_wrong_word_is_named(words: list[str], environment: dict[str, str], said: str, tmp_path: Path) -> None:
-    done = subprocess.run(
-        [sys.executable, "-m", "server.store", *words],
-        cwd=tmp_path,
-        env={"PATH": os.environ["PATH"], **ENVIRONMENT, "LASERBOT_DATA": str(tmp_path), **environment},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
+    done = store(*words, **{"LASERBOT_DATA": str(tmp_path), **environment})
     assert done.returncode == 2
     assert said in done.stderr
     assert list(tmp_path.iterdir()) == []

@@ -117,7 +117,7 @@ def test_the_results_of_a_battle_are_equal_before_and_after(
     first_game.close()
     backup.check(saved)
     again = new(second)
-    assert keeping.put_back(again, saved, quiet) == (saved, "")
+    assert keeping.put_back(again, saved, quiet) == ""
     assert played(again) == played(old)
     assert len(played(again)[0]) == 1
     assert rows(old, "tracks")
@@ -162,7 +162,7 @@ def test_what_was_there_is_kept_beside_it(
     first_game.match.sign_up("later")
     first_game.write()
     first_game.close()
-    kept_in = [keeping.put_back(url, tmp_path / "evening.db", quiet)[1] for _ in range(2)]
+    kept_in = [keeping.put_back(url, tmp_path / "evening.db", quiet) for _ in range(2)]
     assert kept_in == ["its schema laserbot_before", "its schema laserbot_before2"], "the first one's is not lost"
     assert "later" not in str(rows(url, "events"))
     with create_engine(url, poolclass=NullPool).connect() as connection:
