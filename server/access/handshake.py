@@ -4,7 +4,7 @@ import socket
 
 from rosgraph.network import get_host_name
 
-from laser_bot_battle.names import SESSION_COOKIE
+from laser_bot_battle.names import SESSION_COOKIES
 from server.access.identity import FOREIGN_GUEST, GUEST, Identity, session_identity
 from server.access.own_pages import PageAddresses, Standing
 
@@ -26,12 +26,14 @@ class OwnPages(PageAddresses):
 
 
 def session_token(cookies: list[str]) -> str:
-    """What the handshake's Cookie headers hold for us; empty without it. Of two the first, which has the longer path.
+    """What the handshake's Cookie headers hold for us; empty without it. Of two of a name the first, which has the
+    longer path.
 
     The token has nothing to escape, and a library for those would cost this program 4.5 MB of memory.
     """
-    pairs = (pair.strip().partition("=") for header in cookies for pair in header.split(";"))
-    return next((value.strip('"') for name, _, value in pairs if name == SESSION_COOKIE), "")
+    pairs = [pair.strip().partition("=") for header in cookies for pair in header.split(";")]
+    found = (value.strip('"') for wanted in SESSION_COOKIES for name, _, value in pairs if name == wanted)
+    return next(found, "")
 
 
 def own_names() -> set[str]:

@@ -18,14 +18,14 @@ from jinja2.utils import htmlsafe_json_dumps
 from werkzeug.wrappers import Request
 
 from laser_bot_battle.addresses import machine_of
-from laser_bot_battle.names import SESSION_COOKIE, Game, session_digest, session_ticket
+from laser_bot_battle.names import Game, session_digest, session_ticket
 from laser_bot_battle.token_bucket import TokenBuckets
 from server.game.loop import GameLoop
 from server.game.people import MAX_NAME
 from server.game.referee import Verdict
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.users import AVATARS, is_reserved_name, is_valid_name
-from server.web.sessions import brought_token, end_session, give_session, remember_name
+from server.web.sessions import brought_token, end_session, give_session, remember_name, token_of
 from server.web.visitors import SignUps, is_this_machine, visitor_address, visitor_mark
 
 API = "api"  # the blueprint's name
@@ -243,7 +243,7 @@ def cookie_session() -> str | None:
 
 def session_of(request: Request) -> str | None:
     """The same, of that request."""
-    token = request.cookies.get(SESSION_COOKIE)
+    token = token_of(request)
     return session_digest(token) if token else None
 
 

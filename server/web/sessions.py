@@ -3,8 +3,9 @@
 from urllib.parse import quote
 
 from flask import Response, current_app, request
+from werkzeug.wrappers import Request
 
-from laser_bot_battle.names import SESSION_COOKIE
+from laser_bot_battle.names import SECURE_SESSION_COOKIE, SESSION_COOKIE, SESSION_COOKIES
 from server.access.sharing import Sharing, is_token, sharing
 from server.web.hosts import request_host
 from server.web.visitors import is_secure
@@ -16,25 +17,39 @@ _YEAR = 365 * 24 * 3600  # s
 _SENT = 60  # s for which that holds
 
 
+def token_of(asked: Request) -> str:
+    """The session's token that the request brings, "" without one."""
+    return next((token for name in SESSION_COOKIES if (token := asked.cookies.get(name))), "")
+
+
 def brought_token() -> str:
     """The session's token that the visitor has from another arena, or had here before; "" where none is shared."""
-    token = request.cookies.get(SESSION_COOKIE, "")
+    token = token_of(request)
     return token if _sharing().is_shared and is_token(token) else ""
 
 
 def give_session(response: Response, token: str) -> None:
     domain = _sharing().domain
     if domain:  # one that this host alone gave before would hide it
-        response.delete_cookie(SESSION_COOKIE, path="/", httponly=True, samesite="Lax")
-    response.set_cookie(
-        SESSION_COOKIE, token, domain=domain, path="/", httponly=True, secure=is_secure(), samesite="Lax"
-    )
+        _take_session(response)
+    name = SECURE_SESSION_COOKIE if is_secure() else SESSION_COOKIE
+    response.set_cookie(name, token, domain=domain, path="/", httponly=True, secure=is_secure(), samesite="Lax")
 
 
 def end_session(response: Response) -> None:
-    """Here; another arena may still know it."""
-    if not _sharing().is_shared:
-        response.delete_cookie(SESSION_COOKIE, path="/", httponly=True, samesite="Lax")
+    """By the visitor's own wish: the name is not remembered any more, in no arena. The session ends here; another arena
+    that shares it may still know it."""
+    shared = _sharing()
+    if shared.is_shared:
+        response.delete_cookie(NAME_COOKIE, domain=shared.domain, path="/", samesite="Lax")
+    else:
+        _take_session(response)
+
+
+def _take_session(response: Response) -> None:
+    """Of this host alone."""
+    name = SECURE_SESSION_COOKIE if is_secure() else SESSION_COOKIE
+    response.delete_cookie(name, path="/", httponly=True, secure=is_secure(), samesite="Lax")
 
 
 def remember_name(response: Response, name: str, avatar: int) -> None:
@@ -49,9 +64,8 @@ def send_to_play(response: Response) -> None:
 
 
 def _keep(response: Response, name: str, value: str, seconds: int) -> None:
-    response.set_cookie(
-        name, value, max_age=seconds, domain=_sharing().domain, path="/", secure=is_secure(), samesite="Lax"
-    )
+    """It is no secret: arenas by http read and replace it, too."""
+    response.set_cookie(name, value, max_age=seconds, domain=_sharing().domain, path="/", samesite="Lax")
 
 
 def _sharing() -> Sharing:

@@ -41,6 +41,10 @@ RELAY_HEADER = "X-Laserbot-Relay"
 # of a request that came by the front: all of the game is below one address (server/front)
 FRONT_HEADER = "X-Laserbot-Front"
 SESSION_COOKIE = "laserbot_session"
+# By https. With one name for both, a page by http could neither read the cookie that one by https has given, at any
+# port of the host or in the domain that arenas share, nor put its own in its place: nobody could sign up there.
+SECURE_SESSION_COOKIE = "__Secure-laserbot_session"
+SESSION_COOKIES = (SECURE_SESSION_COOKIE, SESSION_COOKIE)  # a browser sends both to a page by https
 TICKET_LIFE = 60  # s
 OPERATOR_TICKET_LIFE = 20  # s
 

@@ -335,6 +335,7 @@ PAGES = OwnPages(5000, variables.ORIGINS.read(ORIGINS), ["Master.Hall.Example"])
         ["a=b; laserbot_session=token-of-al; c"],
         ["a=b", 'laserbot_session="token-of-al"'],
         ["laserbot_session=token-of-al; laserbot_session=other"],
+        ["laserbot_session=other; __Secure-laserbot_session=token-of-al"],
     ],
 )
 def test_the_cookie_tells_who_it_is(cookies: list[str]) -> None:

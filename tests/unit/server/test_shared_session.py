@@ -14,13 +14,15 @@ from tests.support.linked import add_linked_robot
 from tests.support.site import whole_site
 
 TOKEN = secrets.token_urlsafe(32)
+OTHER = "b" * 43
 
 
 class Arena:
     """At http://`name`.example, with three robots and visitors who come with a cookie."""
 
-    def __init__(self, name: str, domain: str = "arena.example") -> None:
+    def __init__(self, name: str, domain: str = "arena.example", scheme: str = "http") -> None:
         self.base = f"http://{name}.arena.example"
+        self.scheme = scheme  # as the proxy before it says
         self.battle = GameLoop(Referee(Rules()), clock=lambda: 1000.0)
         for _ in range(3):
             add_linked_robot(self.battle)
@@ -28,7 +30,8 @@ class Arena:
 
     def post(self, route, token="", **fields):
         browser = self.app.test_client(use_cookies=False)
-        headers = {"Cookie": f"laserbot_session={token}"} if token else {}
+        headers = {"X-Forwarded-Proto": self.scheme}
+        headers |= {"Cookie": f"laserbot_session={token}"} if token else {}
         return browser.post(route, base_url=self.base, headers=headers, data=fields)
 
     @property
@@ -125,6 +128,33 @@ def test_whoever_signs_out_of_one_arena_is_still_in_the_other():
     answer = arena.post("/signOutUser", TOKEN, data="Ann")
     assert arena.players == []
     assert "laserbot_session" not in cookies(answer)
+    name, attributes = cookies(answer)["laserbot_name"]
+    assert name == ""
+    assert {"Max-Age=0", "Domain=arena.example", "Path=/"} <= attributes
+
+
+def test_a_name_is_remembered_though_somebody_else_has_tried_to_sign_it_out():
+    arena = Arena("red")
+    arena.post("/signUpUser", TOKEN, data="Ann")
+    assert cookies(arena.post("/signOutUser", data="Ann")) == {}
+
+
+def test_an_arena_by_https_takes_no_cookie_from_one_by_http():
+    """A browser lets no page by http replace a cookie that has Secure, nor read it."""
+    by_https = cookies(Arena("red", scheme="https").post("/signUpUser", data="Ann"))
+    by_http = cookies(Arena("blue").post("/signUpUser", data="Ann"))
+    secure = {name for name, (_, attributes) in by_https.items() if "Secure" in attributes}
+    assert secure == {"__Secure-laserbot_session"}
+    assert by_http.keys() == {"laserbot_session", "laserbot_name"}
+
+
+def test_by_https_the_session_of_an_arena_by_http_holds_until_there_is_a_secure_one():
+    arena = Arena("red", scheme="https")
+    answer = cookies(arena.post("/signUpUser", TOKEN, data="Ann"))
+    assert answer["__Secure-laserbot_session"][0] == TOKEN
+    assert '"status": "OK"' in arena.post("/playerReady", TOKEN, user="Ann", ready=1).text
+    both = f"{OTHER}; __Secure-laserbot_session={TOKEN}"
+    assert '"status": "OK"' in arena.post("/playerReady", both, user="Ann", ready=0).text
 
 
 def test_a_cookie_of_this_host_alone_does_not_hide_the_domains():
