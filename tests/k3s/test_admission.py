@@ -14,6 +14,7 @@ from celpy.adapter import json_to_cel
 
 from laser_bot_battle.admission import CHECKED, pattern, shown
 from laser_bot_battle.variables import LASERBOT
+from tests.k3s.conftest import Customize
 from tests.k3s.test_overlays import VERSIONS
 from tests.support.manifests import Manifests, Object
 from tests.support.programs import ROOT
@@ -121,13 +122,48 @@ def test_only_what_takes_any_text_or_is_too_much_for_a_pattern_is_left_to_the_pr
     assert {"LASERBOT_HIT_DAMAGE", "LASERBOT_ROSTER", "LASERBOT_VIEW_PORT", "LASERBOT_LOG_LEVEL"}.isdisjoint(left)
 
 
-def test_our_own_manifests_are_taken(manifests: Manifests) -> None:
+# each overlay, and each component at least once
+HOST_NAME = {"name": "host-name", "literals": ["host=arena.example", "class=traefik", "issuer=letsencrypt"]}
+REGISTRY = {"name": "registry", "literals": ["address=registry.example"]}
+COMBINATIONS = [
+    ("lan", ["camera", "device-plugin", "front", "monitoring"]),
+    ("lan", ["proxy", "registry"]),
+    ("sim", ["announcer", "kept-data", "backups", "ingress", "host-name", "metrics"]),
+    ("sim", ["gateway", "certificate", "prometheus-operator"]),
+    ("sim", ["node-ports"]),
+    ("arenas", ["entrance", "entrance-host", "leaderboard", "leaderboard-backups"]),
+]
+
+
+def test_all_overlays_and_components_are_among_these() -> None:
+    covered = {base for base, _ in COMBINATIONS} | {part for _, parts in COMBINATIONS for part in parts}
+    there = {path.name for kind in ("overlays", "components") for path in (ROOT / "k3s" / kind).iterdir()}
+    assert covered == there - {"network-policies"}, "which is part of sim"
+
+
+@pytest.mark.parametrize(("base", "components"), COMBINATIONS)
+def test_the_policy_sees_all_that_our_programs_read_and_takes_it(
+    customize: Customize, base: str, components: list[str]
+) -> None:
+    given = [each for each in (HOST_NAME, REGISTRY) if {each["name"], "certificate"} & {*components}]
+    manifests = customize(base, *components, configMapGenerator=given)
     labels = BINDING["spec"]["paramRef"]["selector"]["matchLabels"].items()
     for workload in manifests.workloads:
-        assert labels <= workload["metadata"]["labels"].items()
+        names = read_by(workload)
+        assert labels <= workload["metadata"]["labels"].items(), workload["metadata"]["name"]
         for config in manifests.within(workload["metadata"]["namespace"]).of("ConfigMap"):
-            assert labels <= config["metadata"]["labels"].items()
-            assert refusal(workload, config) == ""
+            if config["metadata"]["name"] in names:
+                assert labels <= config["metadata"].get("labels", {}).items(), config["metadata"]["name"]
+                assert refusal(workload, config) == ""
+
+
+def read_by(workload: Object) -> set[str]:
+    """The names of the ConfigMaps that its containers read."""
+    containers = workload["spec"]["template"]["spec"]["containers"]
+    sources = [each for container in containers for each in container.get("envFrom", [])]
+    keys = [each.get("valueFrom", {}) for container in containers for each in container.get("env", [])]
+    whole = {each["configMapRef"]["name"] for each in sources}
+    return whole | {each["configMapKeyRef"]["name"] for each in keys if "configMapKeyRef" in each}
 
 
 @pytest.mark.parametrize("kubernetes", [VERSIONS[0], VERSIONS[-1]])
