@@ -37,7 +37,21 @@ PORTS = range(30000, 32768)  # what Kubernetes gives to Services
 ENTRANCE_PORT = 30505  # k3s/components/entrance
 USES = ("web", "rosbridge", "view", "relay")  # in the order of an arena's ports
 _RULES = {variable.name: variable for variable in DECLARED.values()}
-_FIELDS = ("namespace", "port", "host", "rules", "robots", "bots")
+_FIELDS = ("namespace", "port", "host", "rules", "robots", "bots", "components")
+# of k3s/components, what an arena's file does not name, and why
+_ELSEWHERE = {
+    **dict.fromkeys(
+        ("entrance", "entrance-host", "leaderboard", "leaderboard-backups", "registry"),
+        "serves all arenas: name it in the kustomization that has made in its resources",
+    ),
+    **dict.fromkeys(
+        ("certificate", "front", "gateway", "host-name", "ingress", "node-ports", "proxy"),
+        "is a way in, which port or host chooses",
+    ),
+    **dict.fromkeys(("announcer", "camera", "device-plugin"), "is for real robots, which overlays/lan has"),
+    "network-policies": "is part of every arena",
+}
+_WATCHING = ("metrics", "monitoring", "prometheus-operator")  # of which the others include the first
 _LABEL = r"[a-z0-9](?:[a-z0-9-]*[a-z0-9])?"
 _NAME = re.compile(rf"(?=.{{1,40}}$){_LABEL}")
 _NAMESPACE = re.compile(rf"(?=.{{1,63}}$){_LABEL}")
@@ -59,6 +73,7 @@ class Arena:
     host: str  # in place of ports
     settings: tuple[str, ...]
     replicas: tuple[tuple[str, int], ...]
+    components: tuple[str, ...]
 
     @property
     def ports(self) -> range:
@@ -152,8 +167,7 @@ def _arena(file: Path) -> Arena:
         raise wrong("it must have lines such as namespace: laserbot-red and port: 30510")
     for field in told:
         if field not in _FIELDS:
-            nearest = difflib.get_close_matches(str(field), _FIELDS, 1)
-            raise wrong(f"there is no {field}{f'; the nearest is {nearest[0]}' if nearest else ''}")
+            raise wrong(f"there is no {field}{_nearest(field, _FIELDS)}")
     namespace, port, host = told.get("namespace"), told.get("port"), told.get("host")
     if not isinstance(namespace, str) or not _NAMESPACE.fullmatch(namespace):
         raise wrong("namespace must be of small letters, digits and -, at most 63")
@@ -166,7 +180,8 @@ def _arena(file: Path) -> Arena:
     if host is not None and (not isinstance(host, str) or not _HOST.fullmatch(host)):
         raise wrong("host must be a name such as red.arena.example")
     try:
-        return Arena(file.stem, namespace, port, host or "", _settings(told.get("rules")), _replicas(told))
+        settings, components = _settings(told.get("rules")), _components(told.get("components"))
+        return Arena(file.stem, namespace, port, host or "", settings, _replicas(told), components)
     except ValueError as error:
         raise wrong(str(error)) from None
 
@@ -176,13 +191,37 @@ def _settings(rules: Any) -> tuple[str, ...]:
         raise ValueError("rules must be like {LASERBOT_HIT_DAMAGE: 20}")
     for name, value in (rules or {}).items():
         if name not in _RULES:
-            nearest = difflib.get_close_matches(str(name), _RULES, 1)
-            raise ValueError(f"there is no rule {name}{f'; the nearest is {nearest[0]}' if nearest else ''}")
+            raise ValueError(f"there is no rule {name}{_nearest(name, _RULES)}")
         try:
             _RULES[name].read({name: str(value)})
         except SettingsError as error:
             raise ValueError(str(error)) from None
     return tuple(f"{name}={value}" for name, value in (rules or {}).items())
+
+
+def _components(names: Any) -> tuple[str, ...]:
+    there = sorted(folder.name for folder in (HERE / "components").iterdir())
+    if not isinstance(names or [], list):
+        raise ValueError("components must be like [kept-data, backups]")
+    for name in names or []:
+        if name not in there:
+            raise ValueError(f"there is no component {name}{_nearest(name, there)}")
+        if name in _ELSEWHERE:
+            raise ValueError(f"the component {name} {_ELSEWHERE[name]}")
+    found = tuple(names or [])
+    if len({*found}) < len(found):
+        raise ValueError("a component is named twice")
+    if len({*found} & {*_WATCHING}) > 1:
+        raise ValueError(f"only one of the components {', '.join(_WATCHING)} can be used")
+    if "backups" in found and "kept-data" not in found:
+        raise ValueError("the component backups needs kept-data")
+    return found
+
+
+def _nearest(name: object, known: Iterable[str]) -> str:
+    """The end of a message."""
+    nearest = difflib.get_close_matches(str(name), known, 1)
+    return f"; the nearest is {nearest[0]}" if nearest else ""
 
 
 def _replicas(told: dict[str, Any]) -> tuple[tuple[str, int], ...]:
@@ -214,7 +253,7 @@ def _way(folder: Path) -> str:
 def _kustomization(arena: Arena, domain: str, here: str) -> list[str]:
     settings = [f"LASERBOT_DOMAIN={domain}"] if domain else []
     settings += arena.settings
-    components = ["node-ports"] if arena.port else ["ingress", "host-name"]
+    components = [*(["node-ports"] if arena.port else ["ingress", "host-name"]), *arena.components]
     lines = [
         f"namespace: {arena.namespace}",
         f"resources: [{here}/overlays/sim]",

@@ -16,13 +16,16 @@ from server.access.sharing import Sharing, sharing
 from tests.k3s.conftest import Customize
 from tests.k3s.test_overlays import VERSIONS
 from tests.k3s.test_rights import is_restricted
+from tests.support.documents import blocks
 from tests.support.imagefile import dockerfile
 from tests.support.manifests import SECRET, Kubelet, Manifests, Object
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT
 
+README = (ROOT / "k3s/README.md").read_text()
 OURS = ROOT / "k3s/overlays/arenas"
-TRAEFIK = {"IngressRoute", "Middleware"}  # its own kinds, for which there are no schemas here
+BLUE = "namespace: laserbot-blue\nport: 31010\n"
+OTHERS = {"IngressRoute", "Middleware", "PodMonitor", "PrometheusRule"}  # for which there are no schemas here
 
 
 def make(folder: Path) -> subprocess.CompletedProcess[str]:
@@ -56,7 +59,7 @@ def settings_of(manifests: Manifests, namespace: str, workload: str, container: 
 def validate(manifests: Manifests) -> None:
     for item in manifests.objects:
         assert item["kind"] == "Namespace" or item["metadata"]["namespace"] in manifests.namespaces
-        if item["kind"] not in TRAEFIK:
+        if item["kind"] not in OTHERS:
             kubernetes_validate.validate(item, VERSIONS[-1], strict=True)
 
 
@@ -83,6 +86,58 @@ def test_fifty_arenas_of_five_lines_are_valid_and_the_entrance_leads_to_each(tmp
     assert last.one("StatefulSet", "robot")["spec"]["replicas"] == 3
     assert last.one("Deployment", "bot")["spec"]["replicas"] == 0
     assert settings_of(manifests, "laserbot-hall49", "master", "web").rules.hit_damage == 20
+
+
+WATCHING = ("metrics", "monitoring", "prometheus-operator")
+
+
+@pytest.mark.parametrize(("way", "watching"), [("port: 31000", WATCHING[1]), ("host: a.b.example", WATCHING[2])])
+def test_an_arena_has_the_components_that_its_file_names(tmp_path: Path, way: str, watching: str) -> None:
+    text = f"namespace: laserbot-red\n{way}\n"
+    manifests = made(tmp_path, red=f"{text}components: [kept-data, backups, {watching}]\n", blue=BLUE)
+    validate(manifests)
+    red, blue = (manifests.within(f"laserbot-{name}") for name in ("red", "blue"))
+    for part, found in ((red, {"data", "backups"}), (blue, set())):
+        assert {item["metadata"]["name"] for item in part.of("PersistentVolumeClaim")} == found
+    (data,) = [
+        volume
+        for volume in red.one("Deployment", "master")["spec"]["template"]["spec"]["volumes"]
+        if volume["name"] == "data"
+    ]
+    assert data["persistentVolumeClaim"] == {"claimName": "data"}
+    assert {item["metadata"]["name"] for item in red.of("CronJob")} == {"backup", "restore"}
+    kinds = {"monitoring": "Deployment", "prometheus-operator": "PodMonitor"}
+    assert red.of(kinds[watching])
+    assert not blue.of("PodMonitor", "CronJob")
+
+
+# in one process, since each would read all settings anew
+EACH_COMPONENT = """
+import pathlib, sys
+k3s, file = map(pathlib.Path, sys.argv[1:])
+sys.path.insert(0, str(k3s))
+import arenas
+for component in sorted(folder.name for folder in (k3s / "components").iterdir()):
+    needed = "kept-data, " if component == "backups" else ""
+    file.write_text(f"namespace: laserbot-red\\nport: 31000\\ncomponents: [{needed}{component}]\\n")
+    print(component, "taken" if arenas.main([str(file.parent)]) == 0 else "", file=sys.stderr)
+"""
+
+
+def test_the_example_of_the_documents_is_an_arena(tmp_path: Path) -> None:
+    (example,) = [text for text in blocks(README, "yaml") if text.startswith("namespace: laserbot-red\n")]
+    manifests = made(tmp_path, red=example)
+    assert manifests.one("StatefulSet", "robot")["spec"]["replicas"] == 4
+    assert settings_of(manifests, "laserbot-red", "master", "web").rules.hit_damage == 20
+
+
+def test_every_component_is_taken_or_said_to_belong_elsewhere(tmp_path: Path) -> None:
+    words = [sys.executable, "-c", EACH_COMPONENT, str(ROOT / "k3s"), str(tmp_path / "red.yaml")]
+    lines = subprocess.run(words, capture_output=True, text=True, check=True).stderr.splitlines()
+    assert {line.split()[0] for line in lines if line.endswith(" taken")} == {"kept-data", "backups", *WATCHING}
+    told = [line for line in lines if "red.yaml" in line]
+    assert all("red.yaml: the component " in line for line in told)
+    assert len(told) == len([*(ROOT / "k3s/components").iterdir()]) - 5
 
 
 @pytest.mark.parametrize("way", ["port: 31000", "host: red.arena.example"])
@@ -187,6 +242,16 @@ GOOD = "namespace: laserbot-red\nport: 31000\n"
         ({"red": "namespace: a\nport: 30504"}, "red.yaml: port 30505 is the entrance's"),
         ({"red": "namespace: a\nhost: http://x"}, "red.yaml: host must be a name"),
         ({"red": GOOD + "robots: 0"}, "red.yaml: robots must be a whole number from 1 to 128"),
+        ({"red": GOOD + "components: kept-data"}, "red.yaml: components must be like"),
+        (
+            {"red": GOOD + "components: [kept-dta]"},
+            "red.yaml: there is no component kept-dta; the nearest is kept-data",
+        ),
+        ({"red": GOOD + "components: [1]"}, "red.yaml: there is no component 1"),
+        ({"red": GOOD + "components: [metrics, metrics]"}, "red.yaml: a component is named twice"),
+        ({"red": GOOD + "components: [metrics, monitoring]"}, "red.yaml: only one of the components metrics, "),
+        ({"red": GOOD + "components: [backups]"}, "red.yaml: the component backups needs kept-data"),
+        ({"red": GOOD + "components: [entrance]"}, "red.yaml: the component entrance serves all arenas"),
         ({"red": GOOD + "rules: [1]"}, "red.yaml: rules must be like"),
         (
             {"red": GOOD + "rules: {LASERBOT_HIT_DAMGE: 2}"},
