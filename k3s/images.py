@@ -4,7 +4,8 @@
     k3s/images.py name ARCHIVE [REGISTRY]
 
 prints a kustomize component: Kubernetes then starts these images and no others of the same version. With REGISTRY, it
-takes them from there.
+takes them from there. With - in its place, the names are those of the manifests at standard input, which may have
+a registry in front.
 
     kubectl get pods --all-namespaces --selector app.kubernetes.io/part-of=laserbot --output json |
         k3s/images.py check ARCHIVE
@@ -18,13 +19,16 @@ import json
 import re
 import sys
 import tarfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 DIGEST = re.compile(r"sha256:[0-9a-f]{64}")
 FIELD = "io.containerd.image.name"
+IMAGE_LINE = re.compile(r"""^[ -]*image: ["']?([^\s"']+)""", re.MULTILINE)
+
+Entry = dict[str, str]  # of kustomize's `images`
 
 
 class InputError(Exception):
@@ -94,20 +98,52 @@ def _parts(tar: tarfile.TarFile, digest: str) -> Iterator[str]:
         yield content["config"]["digest"]
 
 
-def component(images: Mapping[str, Image], source: str, registry: str | None = None) -> str:
-    """A kustomization.yaml that names the images by digest: in a registry as usual, else by the second tag."""
-    lines = [
-        f"# Written by k3s/images.py: the images of {source}, by digest.",
-        "apiVersion: kustomize.config.k8s.io/v1alpha1",
-        "kind: Component",
-        "images:",
-    ]
-    for name, image in sorted(images.items()):
-        if registry:
-            lines.append(f"  - {{name: {name}, newName: {registry}/{name}, digest: '{image.digest}'}}")
-        else:
-            lines.append(f"  - {{name: {name}, newTag: {image.tag}}}")
-    return "\n".join(lines) + "\n"
+def named(images: Mapping[str, Image], registry: str = "") -> list[Entry]:
+    """Each image by its digest: in a registry as usual, else by its second tag."""
+    return [_entry(image, name, f"{registry}/{name}" if registry else "") for name, image in sorted(images.items())]
+
+
+def renamed(images: Mapping[str, Image], manifests: str) -> list[Entry]:
+    """The same for the names in these manifests: kustomize knows an image only with its registry.
+
+    InputError if none is of the archive.
+    """
+    found = sorted({name for name in map(_name, IMAGE_LINE.findall(manifests)) if _last(name) in images})
+    if not found:
+        raise InputError(
+            f"the manifests name none of {' '.join(sorted(images))}; put into their kustomization what this prints: "
+            "k3s/images.py name ARCHIVE REGISTRY"
+        )
+    return [_entry(images[_last(name)], name, name if "/" in name else "") for name in found]
+
+
+def _entry(image: Image, name: str, remote: str) -> Entry:
+    return {"name": name, "newName": remote, "digest": image.digest} if remote else {"name": name, "newTag": image.tag}
+
+
+def component(entries: Iterable[Entry], source: str) -> str:
+    """A kustomization.yaml with these entries."""
+    return "\n".join(
+        [
+            f"# Written by k3s/images.py: the images of {source}, by digest.",
+            "apiVersion: kustomize.config.k8s.io/v1alpha1",
+            "kind: Component",
+            "images:",
+            *(f"  - {json.dumps(entry)}" for entry in entries),
+            "",
+        ]
+    )
+
+
+def _name(image: str) -> str:
+    """Without tag and digest; a registry may have a port."""
+    before, slash, last = image.rpartition("/")
+    return f"{before}{slash}{re.split('[:@]', last)[0]}"
+
+
+def _last(name: str) -> str:
+    """Without the registry."""
+    return name.rpartition("/")[2]
 
 
 def others(pods: Mapping[str, Any], images: Mapping[str, Image]) -> Iterator[str]:
@@ -125,7 +161,7 @@ def others(pods: Mapping[str, Any], images: Mapping[str, Image]) -> Iterator[str
             for each in status.get(kind) or ()
         }
         for container in (*pod["spec"].get("initContainers", ()), *pod["spec"]["containers"]):
-            image = images.get(re.split("[:@]", container["image"].rpartition("/")[2])[0])
+            image = images.get(_last(_name(container["image"])))
             if image is None:
                 continue  # PostgreSQL, or of your own
             where = f"{pod['metadata']['namespace']}/{pod['metadata']['name']} {container['name']}"
@@ -150,14 +186,17 @@ def check(text: str, images: Mapping[str, Image]) -> list[str]:
 def main(words: list[str]) -> int:
     try:
         match words:
+            case ["name", archive, "-"]:
+                print(component(renamed(read(Path(archive)), sys.stdin.read()), archive), end="")
+                return 0
             case ["name", archive, *registry] if len(registry) < 2:
-                print(component(read(Path(archive)), archive, *registry), end="")
+                print(component(named(read(Path(archive)), *registry), archive), end="")
                 return 0
             case ["check", archive]:
                 wrong = check(sys.stdin.read(), read(Path(archive)))
                 print("\n".join(wrong) or "every container runs its image of the archive")
                 return 1 if wrong else 0
-        raise InputError("usage: k3s/images.py name ARCHIVE [REGISTRY], or k3s/images.py check ARCHIVE <PODS")
+        raise InputError("usage: k3s/images.py name ARCHIVE [REGISTRY or -], or k3s/images.py check ARCHIVE <PODS")
     except InputError as error:
         print(f"k3s/images.py: {error}", file=sys.stderr)
         return 2

@@ -157,6 +157,19 @@ def test_the_nodes_get_images_labels_and_the_game(
     assert again.changed == 0, again.output
 
 
+def test_images_of_a_registry_are_named_by_digest_too(
+    rehearsal: Rehearsal, nodes: list[Machine], images: Archive, archive: Path, tmp_path: Path
+) -> None:
+    registry = {"name": "registry", "literals": ["address=192.168.1.20:5000"]}
+    own = tmp_path / "own"
+    own.mkdir()
+    customized(own, "lan", "registry", configMapGenerator=[registry])
+    rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}", f"--extra-vars=k3s_overlay={own}")
+    robot = by_name(applied(nodes[0]))["DaemonSet", "robot"]
+    (container,) = robot["spec"]["template"]["spec"]["containers"]  # type: ignore[index]
+    assert container["image"] == f"192.168.1.20:5000/rosberry@{images.digests['rosberry']}"
+
+
 def test_the_master_has_the_token_that_there_is(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
     variables = f"--extra-vars=fleet_images_archive={archive}"
     rehearsal.playbook("k3s", variables)

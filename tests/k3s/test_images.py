@@ -12,7 +12,7 @@ import yaml
 from tests.k3s.conftest import Customize
 from tests.support.archive import Archive
 from tests.support.imagefile import version
-from tests.support.manifests import OVERLAYS, Manifests, Object, overlay
+from tests.support.manifests import OVERLAYS, Manifests, Object, customized, overlay
 from tests.support.programs import ROOT
 
 README = (ROOT / "k3s/README.md").read_text()
@@ -77,6 +77,31 @@ def test_a_pod_is_replaced_when_its_image_has_changed_and_no_other(customize: Cu
     rebuilt = with_images(customize, "sim", named(Archive(tmp_path / "4.tar", {"sim": "rebuilt"})))
     replaced = {key[2] for key, template in templates(first).items() if templates(rebuilt)[key] != template}
     assert replaced == {"arena", "bot", "robot"}
+
+
+@pytest.mark.parametrize("way", ["bare", "registry", "component"])
+def test_the_names_of_rendered_manifests_are_replaced_with_their_registry(tmp_path: Path, way: str) -> None:
+    """As ansible/k3s.yml does: `component` is of an earlier archive in a registry."""
+    archive = Archive(tmp_path / "laserbot.tar")
+    ways: dict[str, dict[str, Any]] = {
+        "bare": {"components": []},
+        "registry": {"configMapGenerator": [{"name": "registry", "literals": [f"address={REGISTRY}"]}]},
+        "component": {"images": named(Archive(tmp_path / "1.tar", {"webserver": "older"}), REGISTRY)["images"]},
+    }
+    for folder in ("own", "by-digest"):
+        (tmp_path / folder).mkdir()
+    before = customized(tmp_path / "own", "lan", *(["registry"] if way == "registry" else []), **ways[way])
+    done = run("name", archive.path, "-", given=yaml.safe_dump_all(before.objects))
+    assert done.returncode == 0, done.stderr
+    content = {"resources": ["../own"], "images": yaml.safe_load(done.stdout)["images"]}
+    (tmp_path / "by-digest/kustomization.yaml").write_text(yaml.safe_dump(content))
+    after = Manifests(tmp_path / "by-digest")
+    assert {container["image"] for _, container in after.containers} == {
+        f"{name}:{version()}-{archive.digests[name].replace(':', '-')}"
+        if way == "bare"
+        else f"{REGISTRY}/{name}@{archive.digests[name]}"
+        for name in ("webserver", "rosberry")
+    }
 
 
 def pod(name: str, images: dict[str, tuple[str, str]], **metadata: str) -> Object:
@@ -148,6 +173,11 @@ def test_bad_input_gets_one_line(tmp_path: Path) -> None:
         (("name", tmp_path / "none.tar"), "", "No such file"),
         (("name", tmp_path / "text.tar"), "", "is no archive of images"),
         (("name", plain), "", "does not name monitoring rosberry sim webserver by digest"),
+        (
+            ("name", good, "-"),
+            "image: postgres:17",
+            "the manifests name none of monitoring rosberry sim webserver; put ",
+        ),
         (("check", good), pods, "there are no pods to compare"),
         (("check", good), "NAME READY", "is not the output of kubectl get pods"),
     ]
