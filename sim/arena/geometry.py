@@ -6,16 +6,18 @@ The origin is the bottom left corner, x goes right, y up; heading 0 looks along 
 import math
 from dataclasses import dataclass
 
+from laser_bot_battle import floor
+
 HALF_STEPS_PER_TURN = 4096  # of a wheel on a 28BYJ-48 geared stepper, half-step drive
 WHEEL_DIAMETER = 0.09  # 1024 half-steps/s are then 7.07 cm/s
 TRACK = 0.12  # between the two wheels' contact points
-ROBOT_RADIUS = 0.075  # the round chassis, wheels included
+ROBOT_RADIUS = floor.ROBOT_RADIUS
 EMITTER_OFFSET = 0.06  # IR emitter, ahead of the centre; inside the chassis, so that no wall comes between
 
 METRES_PER_HALF_STEP = math.pi * WHEEL_DIAMETER / HALF_STEPS_PER_TURN
 
 Point = tuple[float, float]
-Wall = tuple[float, float, float, float]  # x1, y1, x2, y2
+Wall = floor.Wall
 
 
 @dataclass(frozen=True)

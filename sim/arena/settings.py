@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from laser_bot_battle.floor import Floor, read_floor
 from laser_bot_battle.proxies import Network, believed
 from laser_bot_battle.variables import (
     ALIVE_FILE,
@@ -16,7 +17,6 @@ from laser_bot_battle.variables import (
     PROXIES,
     ROSBRIDGE,
 )
-from sim.arena.floor import FLOORS, Floor
 
 VARIABLES = (BIND, ARENA, ARENA_LINK, FLOOR, ROSBRIDGE, PROXIES, METRICS, LOG_LEVEL, LOG_FORMAT, ALIVE_FILE)
 
@@ -36,12 +36,12 @@ class Settings:
 
     @classmethod
     def from_env(cls, env: Mapping[str, str]) -> "Settings":
-        """SettingsError for an impossible value."""
+        """SettingsError for an impossible value, also in the floor's file."""
         return cls(
             bind=BIND.read(env),
             view_port=ARENA.read(env),
             link_port=ARENA_LINK.read(env),
-            floor=FLOORS[FLOOR.read(env)],
+            floor=read_floor(FLOOR.read(env)),
             rosbridge_port=ROSBRIDGE.read(env),
             proxies=believed(env),
             metrics=METRICS.read(env),

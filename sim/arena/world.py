@@ -5,8 +5,8 @@ import re
 from collections.abc import Set
 from dataclasses import dataclass, field
 
+from laser_bot_battle.floor import Floor
 from sim.arena.carrier import Carrier
-from sim.arena.floor import Floor
 from sim.arena.geometry import METRES_PER_HALF_STEP, ROBOT_RADIUS, Point, Pose, nearest_on_wall, roll
 from sim.arena.light import shines_on
 
@@ -63,7 +63,7 @@ class World:
     def arrive(self, name: str) -> Robot:
         """Put a robot on the floor: where it left, else at the free start position farthest from all others.
 
-        ArenaError if the floor is full.
+        ArenaError if the floor is full, or stood upon wherever robots start.
         """
         if len(self.robots) >= MAX_ROBOTS:
             raise ArenaError(f"the arena is full ({MAX_ROBOTS} robots)")
@@ -182,7 +182,11 @@ class World:
     def _free_spawn(self) -> Pose:
         """The start position farthest from all robots; the first of them on an empty floor."""
         taken = [robot.pose.point for robot in self.robots.values()]
-        return max(
-            self.floor.spawns,
-            key=lambda spawn: min((math.dist(spawn.point, other) for other in taken), default=0.0),
-        )
+
+        def clearance(start: Pose) -> float:
+            return min((math.dist(start.point, other) for other in taken), default=math.inf)
+
+        best = max((Pose(*start) for start in self.floor.starts), key=clearance)
+        if clearance(best) < ROBOT_RADIUS:
+            raise ArenaError(f"robots stand on all {len(self.floor.starts)} start places")
+        return best

@@ -19,10 +19,10 @@ import psutil
 from sim.arena.ambient import Ambient
 from sim.arena.cameras.picture import Painter
 from sim.arena.cameras.scene import Body, Room, Scene
-from sim.arena.floor import BATTLE_FLOOR
 from tests.bench.bench_rosbridge import cpu_seconds
 from tests.integration.sim.arena import Arena, Hardware
 from tests.integration.sim.stream import Stream
+from tests.support.floors import BATTLE_FLOOR
 from tests.support.polling import until
 
 PERIOD = 0.04  # s between two reports of a robot's wheels, as the firmware's simulator sends them

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from laser_bot_battle.announcement import MAX_OWN_NAME
 from laser_bot_battle.arena_list import ListedArena, read_arenas
+from laser_bot_battle.floor import NAMES, is_floor
 from laser_bot_battle.names import (
     CAMERA_STREAM_PORT,
     ENTRANCE_PORT,
@@ -69,6 +70,12 @@ def _teams(text: str) -> int:
     if text not in ("0", "2", "3", "4"):
         raise ValueError("must be 0, 2, 3 or 4")
     return int(text)
+
+
+def _floor(text: str) -> str:
+    if not is_floor(text):
+        raise ValueError(f"must be {', '.join(NAMES)} or the path of a floor's file (.json)")
+    return text
 
 
 def _separated(text: str) -> tuple[str, ...]:
@@ -230,11 +237,14 @@ PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
 ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` starts; not with compose")
 ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
 ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
-FLOOR = choice(
+FLOOR: Variable[str] = Variable(
     "LASERBOT_FLOOR",
     "battle",
-    ("battle", "duel"),
-    "the virtual robots' floor: with walls to hide behind, or small and open, each robot face to face with another",
+    "the floor: `battle`, with walls to hide behind, `duel`, small and open, each virtual robot face to face with "
+    "another, or the path of [a file](floor.md)",
+    _floor,
+    "`battle`",
+    pattern=rf"((?i:{'|'.join(NAMES)})|.*/.*|.*[.]json)",
 )
 BOT_LEVEL = choice("LASERBOT_BOT_LEVEL", "easy", ("easy", "fair", "hard"), "how good the bots are")
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")

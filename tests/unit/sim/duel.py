@@ -4,11 +4,12 @@ import random
 from collections import deque
 from collections.abc import Callable, Mapping
 
-from sim.arena.floor import BATTLE_FLOOR, Floor
+from laser_bot_battle.floor import Floor
 from sim.arena.geometry import Point, Pose
 from sim.arena.world import World
 from sim.bot_mind import FAIR, NEUTRAL, Command, Mind, Skill
 from sim.bot_paths import Paths
+from tests.support.floors import BATTLE_FLOOR
 
 TICK = 0.04  # s between two commands
 LATE_TICKS = 2  # from the arena's state to wheels that obey

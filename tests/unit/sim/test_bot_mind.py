@@ -6,10 +6,11 @@ from itertools import pairwise
 
 import pytest
 
-from sim.arena.floor import BATTLE_FLOOR, make_floor
+from laser_bot_battle.floor import Floor
 from sim.arena.geometry import Point, Pose, Wall, bearing
 from sim.bot_mind import NEUTRAL, SKILLS, Command, Mind, Skill
 from sim.bot_paths import Paths
+from tests.support.floors import BATTLE_FLOOR
 from tests.unit.sim.duel import TICK, Duel, Player, bot, idle
 
 STEADY = Skill(mercy=0.0, reaction=0.2, aim_error=0.0, reload=(1.5, 1.5), rest=(0.1, 0.1), roam_chance=0.0)
@@ -17,7 +18,7 @@ LATER = 1.0  # s after the first look: more than any reaction time
 
 
 def mind(skill: Skill = STEADY, walls: tuple[Wall, ...] = ()) -> Mind:
-    floor = make_floor(2.0, 2.0, walls, ())
+    floor = Floor.of(2.0, 2.0, walls, ((1.0, 1.0),))
     return Mind(Paths(2.0, 2.0, floor.walls), random.Random(1), skill)
 
 

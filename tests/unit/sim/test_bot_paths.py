@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from sim.arena.floor import BATTLE_FLOOR
 from sim.arena.geometry import Point
 from sim.bot_paths import Paths
+from tests.support.floors import BATTLE_FLOOR
 
 COURSE = Paths(BATTLE_FLOOR.width, BATTLE_FLOOR.height, BATTLE_FLOOR.walls)
 
@@ -21,9 +21,9 @@ def test_a_wall_is_driven_around() -> None:
     assert abs(point[1] - 0.6) > 0.1
 
 
-@pytest.mark.parametrize("goal", [spawn.point for spawn in BATTLE_FLOOR.spawns[1:]])
+@pytest.mark.parametrize("goal", [start[:2] for start in BATTLE_FLOOR.starts[1:]])
 def test_every_start_position_is_reached_from_the_first(goal: Point) -> None:
-    place = BATTLE_FLOOR.spawns[0].point
+    place = BATTLE_FLOOR.starts[0][:2]
     for _ in range(20):
         if place == goal:
             break

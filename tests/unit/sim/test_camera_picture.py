@@ -15,7 +15,7 @@ from sim.arena.cameras.colours import PALETTE, Colour, robot_colour
 from sim.arena.cameras.optics import HEIGHT, WIDTH
 from sim.arena.cameras.picture import Painter
 from sim.arena.cameras.scene import Body, Room, Scene
-from sim.arena.floor import BATTLE_FLOOR
+from tests.support.floors import BATTLE_FLOOR
 from tests.support.programs import ROOT
 
 Picture = np.ndarray

@@ -7,9 +7,9 @@ import pytest
 from sim.arena.ambient import Ambient
 from sim.arena.cameras.scene import Body, Room, Scene, frame_of, read_frame
 from sim.arena.cameras.streams import scene_of
-from sim.arena.floor import BATTLE_FLOOR
 from sim.arena.geometry import Pose
 from sim.arena.world import World
+from tests.support.floors import BATTLE_FLOOR
 
 
 def test_a_room_arrives_as_it_was_sent() -> None:

@@ -10,7 +10,7 @@ from sim.arena.ambient import Ambient
 from sim.arena.cameras.picture import QUALITY, Painter
 from sim.arena.cameras.scene import Body, Room, Scene
 from sim.arena.cameras.timecode import bits_of, paint_timecode
-from sim.arena.floor import BATTLE_FLOOR
+from tests.support.floors import BATTLE_FLOOR
 from tests.support.timecode import time_of
 
 ME = Body("virtual1", 1, 0.17, 0.17, 0.64, lit=True)

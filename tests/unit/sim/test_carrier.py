@@ -4,13 +4,13 @@ import math
 
 import pytest
 
+from laser_bot_battle.floor import Floor
 from sim.arena.ambient import US, key_press
 from sim.arena.carrier import CYCLES_PER_SECOND, MARKS
-from sim.arena.floor import make_floor
 from sim.arena.geometry import METRES_PER_HALF_STEP, Pose
 from sim.arena.world import World
 
-FLOOR = make_floor(2.0, 2.0, (), ((1.0, 1.0),))
+FLOOR = Floor.of(2.0, 2.0, (), ((0.2, 0.2), (1.8, 1.8), (0.2, 1.8)))
 MARK, SPACE = 1200 * 16, 600 * 16
 
 

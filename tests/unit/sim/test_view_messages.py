@@ -3,10 +3,10 @@
 import json
 import math
 
-from sim.arena.floor import BATTLE_FLOOR
 from sim.arena.geometry import Pose
 from sim.arena.view import arena_message, state_message
 from sim.arena.world import World
+from tests.support.floors import BATTLE_FLOOR
 
 
 def test_the_first_message_describes_the_floor_and_the_beam() -> None:

@@ -4,12 +4,13 @@ import math
 
 import pytest
 
-from sim.arena.floor import BATTLE_FLOOR, DUEL_FLOOR, FLOORS, Floor, make_floor
+from laser_bot_battle.floor import Floor
 from sim.arena.geometry import METRES_PER_HALF_STEP, ROBOT_RADIUS, Pose, bearing, nearest_on_wall, wrap
 from sim.arena.light import shines_on
 from sim.arena.world import MAX_JUMP, MAX_REMEMBERED, MAX_ROBOTS, ArenaError, World
+from tests.support.floors import BATTLE_FLOOR, DUEL_FLOOR
 
-EMPTY_FLOOR = make_floor(2.0, 2.0, (), ((1.0, 1.0), (0.2, 0.2), (1.8, 1.8)))
+EMPTY_FLOOR = Floor.of(2.0, 2.0, (), ((1.0, 1.0), (0.2, 0.2), (1.8, 1.8)))
 
 
 def world_with(*poses: Pose, floor: Floor = EMPTY_FLOOR) -> World:
@@ -98,7 +99,7 @@ def test_a_wedged_robot_stays_where_it_is() -> None:
     assert world.robots["a"].pose.point == pytest.approx((1.925, 1))
 
 
-@pytest.mark.parametrize("floor", FLOORS.values(), ids=FLOORS)
+@pytest.mark.parametrize("floor", [BATTLE_FLOOR, DUEL_FLOOR], ids=["battle", "duel"])
 def test_wherever_robots_drive_nothing_overlaps(floor: Floor) -> None:
     world = World(floor)
     names = [f"virtual{n}" for n in range(MAX_ROBOTS)]
@@ -119,8 +120,9 @@ def test_wherever_robots_drive_nothing_overlaps(floor: Floor) -> None:
 
 
 def test_in_a_duel_each_two_robots_have_each_other_in_their_beams_from_the_start() -> None:
-    for one, other in zip(DUEL_FLOOR.spawns[::2], DUEL_FLOOR.spawns[1::2], strict=True):
-        others = [pose.point for pose in DUEL_FLOOR.spawns if pose not in (one, other)]
+    starts = [Pose(*start) for start in DUEL_FLOOR.starts]
+    for one, other in zip(starts[::2], starts[1::2], strict=True):
+        others = [pose.point for pose in starts if pose not in (one, other)]
         assert shines_on(one, other.point, DUEL_FLOOR.walls, others)
         assert shines_on(other, one.point, DUEL_FLOOR.walls, others)
 
@@ -178,6 +180,15 @@ def test_the_floor_is_the_same_from_both_ends() -> None:
     assert walls == {frozenset({turned(x1, y1), turned(x2, y2)}) for x1, y1, x2, y2 in BATTLE_FLOOR.walls}
 
 
+def test_no_robot_starts_upon_another() -> None:
+    world = World(Floor.of(2.0, 2.0, (), ((1.0, 1.0),)))
+    world.arrive("a")
+    with pytest.raises(ArenaError, match="robots stand on all 1 start places"):
+        world.arrive("b")
+    world.robots["a"].pose = Pose(1.3, 1.0, 0)
+    assert world.arrive("b").pose.point == (1.0, 1.0)
+
+
 def test_a_ninth_robot_finds_the_floor_full() -> None:
     world = World(BATTLE_FLOOR)
     for n in range(MAX_ROBOTS):
@@ -199,7 +210,7 @@ def test_a_robot_whose_place_is_taken_starts_anew() -> None:
     world = world_with(Pose(0.5, 1, 0), Pose(1, 1, math.pi))
     world.leave("b")
     drive(world, "a", 0.45)
-    assert world.arrive("b").pose in EMPTY_FLOOR.spawns
+    assert world.arrive("b").pose in [Pose(*start) for start in EMPTY_FLOOR.starts]
 
 
 def test_not_every_robot_is_remembered_for_ever() -> None:
