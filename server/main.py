@@ -81,7 +81,7 @@ def _game(program: Program, settings: Settings, listener: Listener) -> Iterator[
     health = RobotsHealth()
     master = Master(settings.program.master_uri, SERVER_NODE)
     hits, commands, reports = Hits(game, master), RobotCommands(), HealthListener(health, master)
-    positions = PositionsListener(database.keep_piece)
+    positions = PositionsListener(database.keep_piece, game)
     presence = Presence(game, master)
     game.add_listener(StatusPublisher(health).publish)
     for robots in (hits, commands, reports, health):

@@ -9,6 +9,7 @@ from server.game import events, handicap, rivalry, tournament_course
 from server.game.events import Event
 from server.game.presets import Preset
 from server.game.ranking import ranks
+from server.game.sight import Sides
 from server.game.snapshot import Happening, Placing
 from server.game.state import MEASURED, TOLD, State
 from server.game.teams import are_friends
@@ -231,6 +232,11 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
     happening = Happening(state.happenings, event.name, event.by, event.life, streak, revenge)
     state.happened = (*state.happened, happening)[-TOLD:]
     _put_in_order(state)
+
+
+@_change.register
+def _fenced(event: events.Fenced, state: State, _at: float) -> None:
+    state.users.user(event.name).fence = Sides(event.ahead, event.behind)
 
 
 @_change.register

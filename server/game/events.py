@@ -265,6 +265,22 @@ class Hit:
 
 
 @dataclass(frozen=True, slots=True)
+class Fenced:
+    """A robot may not drive on, since it would leave the floor, or may again."""
+
+    name: Name  # who drives it
+    robot: int
+    ahead: bool
+    behind: bool
+
+    def __str__(self) -> str:
+        if not (self.ahead or self.behind):
+            return f"{self.name} (robot {self.robot}) is clear of the floor's edge"
+        way = "either way" if self.ahead and self.behind else "forwards" if self.ahead else "backwards"
+        return f"{self.name} (robot {self.robot}) is at the floor's edge and cannot drive on {way}"
+
+
+@dataclass(frozen=True, slots=True)
 class BattleEnded:
     battle: int
     cause: Cause
@@ -433,6 +449,7 @@ Event = (
     | BattleStarted
     | Joined
     | Hit
+    | Fenced
     | BattleEnded
     | StoodStill
     | Paused

@@ -11,6 +11,7 @@ from typing import Any
 from server.game.departures import Departures
 from server.game.events import Recorded, kind_of
 from server.game.referee import Referee, Verdict, Wish
+from server.game.sight import Moment, Pose, Wall
 from server.game.snapshot import Player, Snapshot, Waiter
 
 _log = logging.getLogger(__name__)
@@ -102,6 +103,11 @@ class GameLoop:
     def shot_hit(self, robot_id: int, shooter: int, code: int, *, shots_told: bool = False) -> bool:
         with self._event() as now:
             return self._referee.shot_hit(robot_id, shooter, code, now, shots_told=shots_told)
+
+    def see(self, walls: Sequence[Wall], poses: Mapping[int, Pose], size: tuple[float, float]) -> None:
+        """Where the robots are, on a floor of that width and height (m)."""
+        with self._event() as now:
+            self._referee.see(Moment(now, tuple(walls), dict(poses)), *size)
 
     def sign_up(
         self,

@@ -24,6 +24,7 @@ from server.game.persistence import save
 from server.game.robot import Robot
 from server.game.rules import Rules
 from server.game.shooting import Shooting
+from server.game.sight import FREE, SEEN, Moment, Sides, Sight, beyond
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.state import State
 from server.game.teams import sides
@@ -67,6 +68,8 @@ class Referee:
         self._rules = replace(rules, **self._state.rules)
         self._journal: list[Recorded] = []
         self._shooting = Shooting()
+        self._sight = Sight()
+        self._blind_at = math.inf  # from when on nobody knows where the robots are
         # Most calls are signs of life, which decide nothing: for them, these spare the way through robots and players.
         self._due = -math.inf  # no deadline passes before that
         self._at = -math.inf  # time of the last deadline or call
@@ -174,8 +177,21 @@ class Referee:
         if fighter is not None:
             self._shooting.fire(shooter, fighter, now)
         by = self._shooting.coded_hit(robot_id, victim, shooter, self._rules.friendly_fire, now)
+        reach = self._rules.line_of_fire
+        if reach and not self._sight.may_have_met(shooter, robot_id, reach, now):
+            return False
         damage = DAMAGES[code % len(DAMAGES)] if self._rules.light_damage else self._rules.hit_damage
         return by is not None and self._wound(victim, damage, by, now)
+
+    def see(self, moment: Moment, width: float, height: float) -> None:
+        """Where the robots are, on a floor of that size (m)."""
+        self.tick(moment.at)
+        self._sight.see(moment)
+        self._blind_at = moment.at + SEEN
+        self._due = min(self._due, self._blind_at)
+        for user in self._state.users:
+            pose = moment.poses.get(user.robot) if self._rules.fence else None
+            self._fence(user, beyond(pose, width, height) if pose else FREE, moment.at)
 
     # players
 
@@ -346,6 +362,8 @@ class Referee:
             yield state.ends_at, partial(self._end_battle, cause=TIME_LIMIT)
         if state.held is not None:
             yield state.held_until, partial(self._release, state.held)
+        if self._blind_at < math.inf:
+            yield self._blind_at, self._lose_sight
         if absence := tournament_course.no_show(state):
             yield absence[0], partial(self._decide_absence, absence[1])
         for robot in state.robots:
@@ -437,6 +455,15 @@ class Referee:
         self._decide(events.RobotGone(robot.id), now)
         self._settle(now, f"{robot.user} lost the robot")
         self._settle_seats(now)
+
+    def _fence(self, user: User, sides: Sides, now: float) -> None:
+        if user.fence != sides:
+            self._decide(events.Fenced(user.name, user.robot, sides.ahead, sides.behind), now)
+
+    def _lose_sight(self, now: float) -> None:
+        self._blind_at = math.inf
+        for user in self._state.users:
+            self._fence(user, FREE, now)
 
     def _remove(self, name: str, how: str, now: float) -> None:
         self._leave(events.Left(name, how), now)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 
 from laser_bot_battle.names import Game
 from server.game.people import Name
+from server.game.sight import FREE, Sides
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +18,7 @@ class Player:
     avatar: int
     session: str
     may_join: bool = False  # the battle of others that runs
+    fence: Sides = FREE  # where the robot may not drive on: it would leave the floor
     team: int = 0  # in a battle, or chosen for the next one; 0: everybody fights alone, or it will be dealt
     handicap: int = 0  # percent of damage that hits do not take, in a battle or in the next one
     # in the running or the last battle

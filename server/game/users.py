@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 from server.game.people import MAX_NAME, NEUTRAL, Name
+from server.game.sight import FREE, Sides
 
 FULL_LIFE = 100
 AVATARS = 5
@@ -74,6 +75,7 @@ class User:
     battles: int = 0  # since the player has this seat
     address: str = ""  # a mark of the page's, "" if it is not known
     wish: int = 0  # the team that the player has chosen; 0: none
+    fence: Sides = FREE  # where the robot may not drive on
     # of the running or the last battle
     fights_since: float = 0.0
     team: int = 0  # 0: fights alone

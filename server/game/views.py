@@ -55,6 +55,7 @@ def player(user: User, state: State, rules: Rules, now: float) -> Player:
         avatar=user.avatar,
         session=user.session,
         may_join=state.may_join(user, rules),
+        fence=user.fence,
         team=user.team if is_playing else wish,
         handicap=user.handicap if is_playing else handicap(user.name, state.losing, spared),
         hits=user.hits,

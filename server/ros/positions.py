@@ -1,8 +1,9 @@
-"""Where the robots are, by `/positions`: the track of each battle. Needs an initialised node.
+"""Where the robots are, by `/positions`: the track of each battle, and the rules of place. Needs an initialised node.
 
-Without such a topic there is no track, and everything else is as usual.
+Without such a topic there are neither, and everything else is as usual.
 """
 
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -11,15 +12,16 @@ import rospy
 
 from laser_bot_battle.msg import Positions
 from laser_bot_battle.names import POSITIONS, Game
+from server.game.loop import GameLoop
 from server.game.snapshot import Snapshot
 from server.store.track import Floor, Piece, Pose, Track
 
 
 class PositionsListener:
-    """Gives `keep` the pieces of each battle's track, in order; that must not block."""
+    """Gives `keep` the pieces of each battle's track, in order, and tells `game` what it sees; neither may block."""
 
-    def __init__(self, keep: Callable[[Piece], None]) -> None:
-        self._keep = keep
+    def __init__(self, keep: Callable[[Piece], None], game: GameLoop) -> None:
+        self._keep, self._game = keep, game
         self._lock = threading.Lock()
         self._track: Track | None = None
         rospy.Subscriber(POSITIONS, Positions, self._see, queue_size=1)
@@ -48,8 +50,11 @@ class PositionsListener:
 
     def _see(self, message: Positions) -> None:
         now = time.monotonic()
+        floor, poses = from_message(message)
+        if floor.is_real:
+            self._game.see(floor.walls, {robot: pose for robot, pose in poses.items() if all(map(math.isfinite, pose))}, (floor.width, floor.height))
         with self._lock:
-            piece = self._track and self._track.see(now, *from_message(message))
+            piece = self._track and self._track.see(now, floor, poses)
             if piece:
                 self._keep(piece)
 

@@ -47,6 +47,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
                 life=player.life,
                 ready=player.ready,
                 may_join=player.may_join,
+                fence=(player.fence.ahead and UserStatus.AHEAD) | (player.fence.behind and UserStatus.BEHIND),
                 avatar=player.avatar,
                 session=player.session,
                 seat_left=player.seat_left,

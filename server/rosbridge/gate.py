@@ -10,7 +10,7 @@ import struct
 import time
 from collections.abc import Callable
 
-from laser_bot_battle.msg import GameStatus, Robot_msg
+from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
 from laser_bot_battle.names import GAME_STATUS, command_topic
 from server.access.globs import Globs
 from server.access.identity import Identity, People
@@ -104,11 +104,15 @@ class Gate(People):
         raise self.refusal("publish", f"linear_x and angular_z must be -1, 0 or 1, not {linear_x} and {angular_z}")
 
     def granted(self, who: Identity, command: bytes) -> bytes:
-        """What the robot gets of a serialized Robot_msg: whoever only practises beside a battle has no light there."""
+        """What the robot gets of a serialized Robot_msg: whoever only practises beside a battle has no light there, and
+        nobody drives on at the floor's edge."""
         player = self.player(who)
-        if self._playing and player is not None and not player.ready and not who.operator:
-            return command[:2] + bytes(1)
-        return command
+        if player is None or who.operator:
+            return command
+        linear_x, angular_z, shoot = _COMMAND.unpack(command)
+        if player.fence & (UserStatus.AHEAD if linear_x > 0 else UserStatus.BEHIND if linear_x < 0 else 0):
+            linear_x = 0
+        return _COMMAND.pack(linear_x, angular_z, shoot if player.ready or not self._playing else 0)
 
     def refuses_subscribing(self, who: Identity, topic: str, type_name: str) -> str:
         if who.operator:

@@ -313,6 +313,17 @@ LATE_JOIN = flag(
     "LASERBOT_LATE_JOIN",
     "1: who has a robot may still join a battle without teams that runs, with the life of its weakest living fighter",
 )
+FENCE = flag(
+    "LASERBOT_FENCE", "1: a robot that would leave the floor stops at its edge, as far as `/positions` tells where it is"
+)
+LINE_OF_FIRE = number(
+    "LASERBOT_LINE_OF_FIRE",
+    0,
+    0,
+    50,
+    "metres that a robot's light reaches: by `/positions`, a coded hit counts only if the shooter stood no farther away, "
+    "looked that way, and no wall was between; 0: from anywhere",
+)
 DATA: Variable[Path] = Variable(
     "LASERBOT_DATA",
     Path("~/.local/share/laserbot"),

@@ -7,6 +7,7 @@
  * @property {number} life 0 to 100
  * @property {boolean} ready
  * @property {boolean} may_join the battle of others that runs
+ * @property {number} fence where the robot may not drive on, since it would leave the floor: 1 ahead, 2 behind, or the sum
  * @property {number} avatar 0 to 4
  * @property {number} place in a result: 1 is the winner, ties share a place
  * @property {number} seat_left s until the robot passes on to others unless the player gets ready; 0: it stays
@@ -51,7 +52,7 @@
 /** The battle's number when only /updateGameStatus has been heard. */
 export const UNKNOWN_BATTLE = -1;
 
-const UNTOLD = { may_join: false, team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, wins: 0, weak: false }; // by a server that knows neither teams nor shooters
+const UNTOLD = { may_join: false, fence: 0, team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, wins: 0, weak: false }; // by a server that knows neither teams nor shooters
 
 /** @returns {Status} from a laser_bot_battle/GameStatus of /game_status */
 export function fromTopic(message) {

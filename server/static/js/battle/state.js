@@ -58,6 +58,7 @@ export function gameText(status, name, refusal = "") {
   const seatLeft = Math.ceil(findUser(status, name)?.seat_left ?? 0);
   if (seatLeft > 0 && seatLeft <= WARNING) return { text: t("game.seat"), hint: t("game.seat_hint", { n: seatLeft }) };
   const notice = noticeText(status.notice);
+  if (mayDrive(status, name) && findUser(status, name).fence) return { text: t("game.edge"), hint: t("game.edge_hint") };
   switch (phase) {
     case "idle": {
       const news = saysBattleOver(status.notice) ? "" : notice; // the end of a battle of others is none
