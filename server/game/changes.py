@@ -5,8 +5,9 @@ from dataclasses import replace
 from functools import singledispatch
 
 from laser_bot_battle.names import Game, is_bot
-from server.game import events, handicap, rivalry, tournament_course
+from server.game import events, handicap, place_events, rivalry, tournament_course
 from server.game.events import Event
+from server.game.pickups import PickUps
 from server.game.presets import Preset
 from server.game.ranking import ranks
 from server.game.sight import Sides
@@ -195,7 +196,7 @@ def _released(_event: events.Released, state: State, _at: float) -> None:
 @_change.register
 def _battle_started(event: events.BattleStarted, state: State, at: float) -> None:
     state.game, state.battle, state.ends_at, state.paused_at = Game.PLAYING, event.battle, at + event.seconds, None
-    state.began_at, state.teams, state.happened = at, event.teams, ()
+    state.began_at, state.teams, state.happened, state.pickups = at, event.teams, (), PickUps()
     state.protected_until = at + event.protection
     state.may_hold_until.pop(None, None)
     fighters = {fighter.name: (fighter.team, fighter.handicap) for fighter in event.fighters}
@@ -235,8 +236,34 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
 
 
 @_change.register
-def _fenced(event: events.Fenced, state: State, _at: float) -> None:
+def _fenced(event: place_events.Fenced, state: State, _at: float) -> None:
     state.users.user(event.name).fence = Sides(event.ahead, event.behind)
+
+
+@_change.register
+def _hill_held(event: place_events.HillHeld, state: State, _at: float) -> None:
+    state.users.user(event.name).points = event.points
+    _put_in_order(state)
+
+
+@_change.register
+def _pick_up_laid(event: place_events.PickUpLaid, state: State, _at: float) -> None:
+    state.pickups.lay(event.zone, event.kind)
+
+
+@_change.register
+def _picked_up(event: place_events.PickedUp, state: State, at: float) -> None:
+    state.pickups.take(event.zone, at)
+    user = state.users.user(event.name)
+    user.life = event.life
+    if event.seconds:
+        user.effects[event.kind] = at + event.seconds
+    _put_in_order(state)
+
+
+@_change.register
+def _effect_ended(event: place_events.EffectEnded, state: State, _at: float) -> None:
+    state.users.user(event.name).effects.pop(event.kind, None)
 
 
 @_change.register
@@ -250,7 +277,9 @@ def _battle_ended(event: events.BattleEnded, state: State, at: float) -> None:
         state.winning = rivalry.follow(state.winning, event.result)
     state.result = tuple(_completed(placing, state, at) for placing in event.result) if event.counts else ()
     state.leavers = []
+    state.pickups.lying = {}
     for user in state.users:
+        user.effects = {}
         user.battles += user.ready and event.counts
         user.ready, user.idle_since = False, at
 
@@ -296,6 +325,7 @@ def _resumed(_event: events.Resumed, state: State, at: float) -> None:
     _leave_out_pause(state, state.users, at)
     if state.paused_at is not None:
         state.began_at += at - state.paused_at
+        state.pickups.leave_out(at - state.paused_at)
     state.ends_at, state.protected_until = at + state.time_left(at), at + state.protection_left(at)
     state.paused_at = None
 
@@ -380,7 +410,7 @@ def _leave_battle(state: State, user: User, at: float) -> None:
     if state.game is Game.PLAYING and user.ready:
         _leave_out_pause(state, [user], at)
         state.leavers.append(replace(user, left_at=at))
-    user.ready, user.idle_since = False, at
+    user.ready, user.idle_since, user.effects = False, at, {}
     if state.game is Game.PLAYING:
         _put_in_order(state)
 
@@ -390,6 +420,7 @@ def _leave_out_pause(state: State, users: Iterable[User], at: float) -> None:
     for user in users:
         if state.paused_at is not None and user.is_fighting:
             user.fights_since += at - state.paused_at
+            user.effects = {kind: until + at - state.paused_at for kind, until in user.effects.items()}
 
 
 def _put_in_order(state: State) -> None:

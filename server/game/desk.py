@@ -3,6 +3,7 @@
 `by` is the operator's name. What is true already needs no event; what comes at the wrong moment is refused.
 """
 
+import difflib
 import unicodedata
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -101,7 +102,8 @@ def change_rules(state: State, _rules: Rules, by: str, changes: Mapping[str, obj
     """New values; None: the environment's again. ValueError if one of them is impossible."""
     unknown = sorted(changes.keys() - DECLARED.keys())
     if unknown:
-        raise ValueError(f"there is no rule {unknown[0][:40]!r}; there are: {', '.join(DECLARED)}")
+        nearest = difflib.get_close_matches(unknown[0], DECLARED, 1, 0)[0]
+        raise ValueError(f"there is no rule {unknown[0][:40]!r}; the nearest is {nearest}")
     wanted = {rule: None if value is None else checked(rule, value) for rule, value in changes.items()}
     news: dict[str, Any] = {rule: value for rule, value in wanted.items() if value != state.rules.get(rule)}
     return [events.RulesChanged(news, by)] if news else []

@@ -9,6 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from server.game.people import Cause, How, Name, Words, signature
+from server.game.place_events import EffectEnded, Fenced, HillHeld, PickedUp, PickUpLaid
 from server.game.snapshot import Placing
 from server.game.tournament_events import (
     GameWon,
@@ -265,22 +266,6 @@ class Hit:
 
 
 @dataclass(frozen=True, slots=True)
-class Fenced:
-    """A robot may not drive on, since it would leave the floor, or may again."""
-
-    name: Name  # who drives it
-    robot: int
-    ahead: bool
-    behind: bool
-
-    def __str__(self) -> str:
-        if not (self.ahead or self.behind):
-            return f"{self.name} (robot {self.robot}) is clear of the floor's edge"
-        way = "either way" if self.ahead and self.behind else "forwards" if self.ahead else "backwards"
-        return f"{self.name} (robot {self.robot}) is at the floor's edge and cannot drive on {way}"
-
-
-@dataclass(frozen=True, slots=True)
 class BattleEnded:
     battle: int
     cause: Cause
@@ -450,6 +435,10 @@ Event = (
     | Joined
     | Hit
     | Fenced
+    | HillHeld
+    | PickUpLaid
+    | PickedUp
+    | EffectEnded
     | BattleEnded
     | StoodStill
     | Paused

@@ -107,7 +107,7 @@ class GameLoop:
     def see(self, walls: Sequence[Wall], poses: Mapping[int, Pose], size: tuple[float, float]) -> None:
         """Where the robots are, on a floor of that width and height (m)."""
         with self._event() as now:
-            self._referee.see(Moment(now, tuple(walls), dict(poses)), *size)
+            self._referee.see(Moment(now, tuple(walls), dict(poses)), size)
 
     def sign_up(
         self,

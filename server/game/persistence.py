@@ -11,6 +11,7 @@ from laser_bot_battle.names import Game
 from server.game import tournament_course
 from server.game.handicap import Losing
 from server.game.people import NEUTRAL
+from server.game.pickups import PickUps
 from server.game.presets import Preset
 from server.game.rivalry import Grudge, Winning
 from server.game.robot import Robot, Robots
@@ -42,14 +43,15 @@ def save(state: State, now: float) -> dict[str, Any]:
         "lengths": list(state.lengths),
         "notice": state.notice,
         "robots": [_save_robot(robot) for robot in state.robots],
-        "users": [_save_user(user, now) for user in state.users],
+        "users": [_save_user(user, now, stands_at) for user in state.users],
         "queue": [_save_waiting(waiting, now) for waiting in state.queue],
-        "leavers": [_save_user(user, now) for user in state.leavers],
+        "leavers": [_save_user(user, now, stands_at) for user in state.leavers],
         "result": [_fields(placing) for placing in state.result],
         "losing": [_fields(one) for one in state.losing],
         "winning": [_fields(one) for one in state.winning],
         "grudges": [_fields(one) for one in state.grudges],
         "teams": state.teams,
+        "pickups": state.pickups.save(stands_at),
         "happened": [_fields(happening) for happening in state.happened],
         "happenings": state.happenings,
         "out_of_service": sorted(state.robots.out_of_service),
@@ -104,9 +106,11 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             back = robots.put(int(fields["id"]), fields["caller"], now, fields["key"], fields["address"])
             back.spared_until = now + ROBOTS_RETURN
             robots.link(int(fields["id"]), fields["linked"])
+        is_paused = bool(saved.get("paused"))
+        stood_at = then - float(saved.get("paused_for", 0))
         users = Users()
         for fields in saved["users"]:
-            user = _restore_user(fields, then, now)
+            user = _restore_user(fields, then, now, stood_at)
             users.add_user(user)
             robot = robots.get_robot(user.robot)
             if robot is not None:
@@ -118,8 +122,6 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             offered = robots.get_robot(waiting.offer) if waiting.offer is not None else None
             if offered is not None:
                 offered.user = waiting.name
-        is_paused = bool(saved.get("paused"))
-        stood_at = then - float(saved.get("paused_for", 0))
         return State(
             robots=robots,
             users=users,
@@ -132,12 +134,13 @@ def restore(saved: Mapping[str, Any], known_robots: Mapping[str, int], now: floa
             lengths=tuple(map(float, saved.get("lengths", ()))),
             notice=str(saved["notice"]),
             queue=queue,
-            leavers=[_restore_user(fields, then, now) for fields in saved["leavers"]],
+            leavers=[_restore_user(fields, then, now, stood_at) for fields in saved["leavers"]],
             result=tuple(Placing(**_known(Placing, fields)) for fields in saved["result"]),
             losing=tuple(Losing(**_known(Losing, fields)) for fields in saved.get("losing", ())),
             winning=tuple(Winning(**_known(Winning, fields)) for fields in saved.get("winning", ())),
             grudges=tuple(Grudge(**_known(Grudge, fields)) for fields in saved.get("grudges", ())),
             teams=int(saved.get("teams", 0)),
+            pickups=PickUps.restore(saved["pickups"], stood_at) if "pickups" in saved else PickUps(),
             happened=tuple(Happening(**_known(Happening, fields)) for fields in saved.get("happened", ())),
             happenings=int(saved.get("happenings", 0)),
             rules={rule: value for rule, value in saved.get("rules", {}).items() if rule in DECLARED},
@@ -182,7 +185,7 @@ def _save_robot(robot: Robot) -> dict[str, Any]:
     }
 
 
-def _save_user(user: User, now: float) -> dict[str, Any]:
+def _save_user(user: User, now: float, stands_at: float) -> dict[str, Any]:
     return {
         "name": user.name,
         "robot": user.robot,
@@ -203,6 +206,8 @@ def _save_user(user: User, now: float) -> dict[str, Any]:
         "hits": user.hits,
         "kills": user.kills,
         "taken": user.taken,
+        "points": user.points,
+        "effects": {kind: until - stands_at for kind, until in user.effects.items()},
         "fights": user.fights_since - now,
     }
 
@@ -221,10 +226,12 @@ def _save_waiting(waiting: Waiting, now: float) -> dict[str, Any]:
     }
 
 
-def _restore_user(fields: Mapping[str, Any], then: float, now: float) -> User:
+def _restore_user(fields: Mapping[str, Any], then: float, now: float, stood_at: float) -> User:
     def moment(offset: float | None) -> float | None:
         return None if offset is None else then + offset
 
+    counted = ("wish", "team", "handicap", "shots", "hits", "kills", "taken", "points")
+    counts: dict[str, Any] = {name: int(fields.get(name, 0)) for name in counted}
     return User(
         name=fields["name"],
         robot=fields["robot"],
@@ -242,7 +249,8 @@ def _restore_user(fields: Mapping[str, Any], then: float, now: float) -> User:
         battles=fields["battles"],
         address=fields["address"],
         fights_since=then + fields.get("fights", 0.0),
-        **{name: int(fields.get(name, 0)) for name in ("wish", "team", "handicap", "shots", "hits", "kills", "taken")},
+        **counts,
+        effects={str(kind): stood_at + float(left) for kind, left in fields.get("effects", {}).items()},
     )
 
 

@@ -6,13 +6,14 @@ then, in their order, so that the outcome does not depend on how often `tick` is
 """
 
 import math
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from enum import Enum, auto
 from functools import partial
 from operator import itemgetter
 from typing import Any
 
+from laser_bot_battle.floor import Zone
 from laser_bot_battle.light_protocol import DAMAGES
 from laser_bot_battle.names import Game, client_name, is_bot
 from server.game import changes, desk, events, seats, tournament_course, tournament_desk, tournament_events, views
@@ -21,10 +22,12 @@ from server.game.handicap import damage_with
 from server.game.overview import overview
 from server.game.people import AGAIN, TIME_LIMIT
 from server.game.persistence import save
+from server.game.pickups import DOUBLE, SHIELD
+from server.game.places import Places
 from server.game.robot import Robot
 from server.game.rules import Rules
 from server.game.shooting import Shooting
-from server.game.sight import FREE, SEEN, Moment, Sides, Sight, beyond
+from server.game.sight import Moment
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.state import State
 from server.game.teams import sides
@@ -61,15 +64,14 @@ Wish = Callable[[State, Rules], Iterable[Event]]
 class Referee:
     """The one place where the state of the game changes."""
 
-    def __init__(self, rules: Rules, state: State | None = None) -> None:
-        """`state` is that of an earlier program, with which the game goes on."""
+    def __init__(self, rules: Rules, state: State | None = None, zones: Sequence[Zone] = ()) -> None:
+        """`state` is that of an earlier program, with which the game goes on; `zones` are the floor's."""
         self._configured = rules
         self._state = state or State()
         self._rules = replace(rules, **self._state.rules)
         self._journal: list[Recorded] = []
         self._shooting = Shooting()
-        self._sight = Sight()
-        self._blind_at = math.inf  # from when on nobody knows where the robots are
+        self._places = Places(zones)
         # Most calls are signs of life, which decide nothing: for them, these spare the way through robots and players.
         self._due = -math.inf  # no deadline passes before that
         self._at = -math.inf  # time of the last deadline or call
@@ -177,21 +179,16 @@ class Referee:
         if fighter is not None:
             self._shooting.fire(shooter, fighter, now)
         by = self._shooting.coded_hit(robot_id, victim, shooter, self._rules.friendly_fire, now)
-        reach = self._rules.line_of_fire
-        if reach and not self._sight.may_have_met(shooter, robot_id, reach, now):
+        if not self._places.may_have_met(shooter, robot_id, self._rules, now):
             return False
         damage = DAMAGES[code % len(DAMAGES)] if self._rules.light_damage else self._rules.hit_damage
         return by is not None and self._wound(victim, damage, by, now)
 
-    def see(self, moment: Moment, width: float, height: float) -> None:
-        """Where the robots are, on a floor of that size (m)."""
+    def see(self, moment: Moment, size: tuple[float, float]) -> None:
+        """Where the robots are, on a floor of that width and height (m)."""
         self.tick(moment.at)
-        self._sight.see(moment)
-        self._blind_at = moment.at + SEEN
-        self._due = min(self._due, self._blind_at)
-        for user in self._state.users:
-            pose = moment.poses.get(user.robot) if self._rules.fence else None
-            self._fence(user, beyond(pose, width, height) if pose else FREE, moment.at)
+        for event in self._places.see(moment, size, self._state, self._rules):
+            self._decide(event, moment.at)
 
     # players
 
@@ -362,8 +359,8 @@ class Referee:
             yield state.ends_at, partial(self._end_battle, cause=TIME_LIMIT)
         if state.held is not None:
             yield state.held_until, partial(self._release, state.held)
-        if self._blind_at < math.inf:
-            yield self._blind_at, self._lose_sight
+        for at, decided in self._places.deadlines(state, self._rules):
+            yield at, partial(self._decide, decided)
         if absence := tournament_course.no_show(state):
             yield absence[0], partial(self._decide_absence, absence[1])
         for robot in state.robots:
@@ -383,7 +380,11 @@ class Referee:
         state = self._state
         is_old = (state.queue or self._uncounted) and now >= self._latest_at + FRESH
         if self._latest is None or is_old:
-            self._latest, self._latest_at, self._uncounted = views.snapshot(state, self._rules, now), now, False
+            self._latest, self._latest_at, self._uncounted = (
+                views.snapshot(state, self._rules, self._places, now),
+                now,
+                False,
+            )
         else:  # while nobody waits, no seat ends: time passes for the clock only
             self._latest = replace(self._latest, time_left=state.time_left(now), protection=state.protection_left(now))
         return self._latest
@@ -444,8 +445,11 @@ class Referee:
 
     def _wound(self, victim: User, damage: int, by: str, now: float) -> bool:
         """Whether it costs the victim life. The shot has met its robot in any case: it does not again later."""
-        if self._state.protection_left(now) > 0:
+        if self._state.protection_left(now) > 0 or SHIELD in victim.effects:
             return False
+        shooter = self._state.fighter(by) if by else None
+        if shooter is not None and DOUBLE in shooter.effects:
+            damage *= 2
         life = max(0, victim.life - damage_with(victim.handicap, damage))
         self._decide(events.Hit(victim.name, victim.robot, life, by), now)
         self._settle(now, f"{victim.name} was shot down")
@@ -455,15 +459,6 @@ class Referee:
         self._decide(events.RobotGone(robot.id), now)
         self._settle(now, f"{robot.user} lost the robot")
         self._settle_seats(now)
-
-    def _fence(self, user: User, sides: Sides, now: float) -> None:
-        if user.fence != sides:
-            self._decide(events.Fenced(user.name, user.robot, sides.ahead, sides.behind), now)
-
-    def _lose_sight(self, now: float) -> None:
-        self._blind_at = math.inf
-        for user in self._state.users:
-            self._fence(user, FREE, now)
 
     def _remove(self, name: str, how: str, now: float) -> None:
         self._leave(events.Left(name, how), now)
@@ -484,6 +479,8 @@ class Referee:
         changes.apply(self._state, event, now)
         if isinstance(event, events.RulesChanged):
             self._rules = replace(self._configured, **self._state.rules)
+        elif isinstance(event, events.BattleStarted | events.Paused | events.Resumed):
+            self._places.begin()
         self._due, self._latest = -math.inf, None
         self._journal.append(Recorded(now, event))
 

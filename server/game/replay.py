@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from server.game import changes, events
+from server.game import changes, events, place_events
 from server.game.events import Recorded
 from server.game.snapshot import Placing
 from server.game.state import State
@@ -26,7 +26,9 @@ def replay(recorded: Iterable[Recorded]) -> tuple[Placing, ...]:
             case events.Joined():
                 _seat(state, one.event, one.at)
                 changes.apply(state, one.event, one.at)
-            case events.Hit() | events.Left() | events.Unseated() if state.users.get_user(one.event.name):
+            case (
+                events.Hit() | place_events.HillHeld() | place_events.PickedUp() | events.Left() | events.Unseated()
+            ) if state.users.get_user(one.event.name):
                 changes.apply(state, one.event, one.at)
             case events.RobotGone(robot) if state.robots.get_robot(robot):
                 changes.apply(state, one.event, one.at)

@@ -1,7 +1,7 @@
 """Where the robots were seen of late, by /positions, and what follows from that. Pure; nothing is decided here.
 
-Lengths in m, angles in rad, counter-clockwise from x, times in monotonic seconds. What is not seen is not known: whoever
-asks then hears that everything may be.
+Lengths in m, angles in rad, counter-clockwise from x, times in monotonic seconds. What is not seen is not known:
+whoever asks then hears that everything may be.
 """
 
 import math
@@ -25,7 +25,6 @@ MOST = 100  # moments that are remembered
 
 LINE = 0.02  # before the floor's edge, at which a robot is stopped: it moves on by some mm until it is
 SLANT = math.sin(math.radians(10))  # who drives along the edge, or a little towards it, is not stopped
-SEEN = 1.0  # s after which a place is no longer known
 
 
 @dataclass(frozen=True, slots=True)

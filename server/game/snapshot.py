@@ -4,7 +4,10 @@ from dataclasses import dataclass, field
 
 from laser_bot_battle.names import Game
 from server.game.people import Name
+from server.game.pickups import DOUBLE, KINDS, SHIELD
 from server.game.sight import FREE, Sides
+
+PLACES = ("hill", *KINDS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +27,20 @@ class Player:
     # in the running or the last battle
     hits: int = 0  # shots that have met somebody else, as far as that is known
     kills: int = 0
+    points: int = 0  # s alone on hills
+    effects: tuple[str, ...] = ()  # of pick-ups, that work now
     shots: int = field(default=0, compare=False)  # nobody has to hear of each at once
     seat_left: float = field(default=0.0, compare=False)  # s until the seat passes on to others; 0: it stays
+
+    @property
+    def fence_bits(self) -> int:
+        """As in UserStatus.msg."""
+        return self.fence.ahead + 2 * self.fence.behind
+
+    @property
+    def effect_bits(self) -> int:
+        """As in UserStatus.msg."""
+        return (SHIELD in self.effects) + 2 * (DOUBLE in self.effects)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,6 +70,7 @@ class Placing:
     hits: int = 0  # of them that have met somebody else, as far as that is known
     kills: int = 0
     taken: int = 0  # hits that have cost life
+    points: int = 0  # s alone on hills
     # what no event says
     seconds: float = field(default=0.0, compare=False)  # to the end, or until the player was out
     wins: int = field(default=0, compare=False)  # battles that were won in a row, this one included
@@ -71,6 +87,21 @@ class Happening:
     # of a hit that has taken the last life
     streak: int = 0  # how many the shooter has taken out in this battle, this one included
     revenge: bool = False  # the shooter had been taken out by this one last
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A disc on the floor that means something now: a hill, or what lies there. In m."""
+
+    kind: str  # one of PLACES
+    x: float
+    y: float
+    radius: float
+
+    @property
+    def number(self) -> int:
+        """Of its kind, as in Place.msg."""
+        return PLACES.index(self.kind)
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +127,7 @@ class Snapshot:
     hide_cameras: bool  # from spectators, while a battle runs
     damage: int  # life that a shot is to take
     happened: tuple[Happening, ...]  # in the running or the last battle, the newest last
+    places: tuple[Place, ...]  # by the rules of place
     tournament: int  # grows with each change of the one that is open; 0: none is
 
     @property

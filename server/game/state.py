@@ -8,6 +8,7 @@ from laser_bot_battle.names import Game
 from server.game import events
 from server.game.handicap import Losing, handicap
 from server.game.people import Notice, Words
+from server.game.pickups import PickUps
 from server.game.presets import Preset
 from server.game.ranking import ranks
 from server.game.rivalry import Grudge, Winning
@@ -46,6 +47,7 @@ class State:
     winning: tuple[Winning, ...] = ()  # who has won all of them
     grudges: tuple[Grudge, ...] = ()
     teams: int = 0  # of the running or the last battle; 0: everybody fights alone
+    pickups: PickUps = field(default_factory=PickUps)  # of the running or the last battle
     happened: tuple[Happening, ...] = ()  # in it, at most `TOLD`
     happenings: int = 0  # in all battles so far
     # what operators have decided
@@ -128,20 +130,21 @@ class State:
     def ranking(self) -> tuple[Placing, ...]:
         """Of the running battle, best first; who stands equal shares the place, and the places after it stay empty."""
         ranked = ranks([*self.users.get_users_ready(), *self.leavers])
-        standings = [rank.standing for rank, _ in ranked]
+        standings = [rank.result for rank, _ in ranked]
         return tuple(
             Placing(
                 name=user.name,
                 robot=user.robot,
                 life=user.life,
                 avatar=user.avatar,
-                place=standings.index(rank.standing) + 1,
+                place=standings.index(rank.result) + 1,
                 left=user.left_at is not None,
                 team=user.team,
                 shots=user.shots,
                 hits=user.hits,
                 kills=user.kills,
                 taken=user.taken,
+                points=user.points,
             )
             for rank, user in ranked
         )

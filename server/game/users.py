@@ -3,7 +3,7 @@
 import re
 import unicodedata
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from server.game.people import MAX_NAME, NEUTRAL, Name
 from server.game.sight import FREE, Sides
@@ -84,6 +84,8 @@ class User:
     hits: int = 0  # shots that have met somebody else, as far as that is known
     kills: int = 0
     taken: int = 0  # hits of others that have cost life
+    points: int = 0  # s on hills that nobody else was on
+    effects: dict[str, float] = field(default_factory=dict)  # of pick-ups, by kind: until when they work
 
     @property
     def is_fighting(self) -> bool:
@@ -108,7 +110,8 @@ class User:
     def enter_battle(self, team: int, handicap: int, now: float) -> None:
         """From now on the player fights for that team, with that handicap."""
         self.team, self.handicap, self.fights_since = team, handicap, now
-        self.shots = self.hits = self.kills = self.taken = 0
+        self.shots = self.hits = self.kills = self.taken = self.points = 0
+        self.effects = {}
 
     def fought(self, now: float) -> float:
         """s in the battle, which is over now: to the end, or until the player was out."""

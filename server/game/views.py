@@ -3,13 +3,14 @@
 from laser_bot_battle.names import Game
 from server.game import seats
 from server.game.handicap import handicap
+from server.game.places import Places
 from server.game.rules import Rules
 from server.game.snapshot import Player, Snapshot, Waiter
 from server.game.state import State
 from server.game.users import User, Waiting
 
 
-def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
+def snapshot(state: State, rules: Rules, places: Places, now: float) -> Snapshot:
     teams, _ = state.terms(rules)
     return Snapshot(
         game=state.game,
@@ -31,6 +32,7 @@ def snapshot(state: State, rules: Rules, now: float) -> Snapshot:
         hide_cameras=rules.hide_cameras,
         damage=rules.hit_damage,
         happened=state.happened,
+        places=places.shown(state, rules),
         tournament=state.tournament.version if state.tournament and not state.tournament.closed else 0,
     )
 
@@ -60,6 +62,8 @@ def player(user: User, state: State, rules: Rules, now: float) -> Player:
         handicap=user.handicap if is_playing else handicap(user.name, state.losing, spared),
         hits=user.hits,
         kills=user.kills,
+        points=user.points,
+        effects=tuple(sorted(user.effects)),
         shots=user.shots,
         seat_left=seat_left,
     )

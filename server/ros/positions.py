@@ -52,7 +52,11 @@ class PositionsListener:
         now = time.monotonic()
         floor, poses = from_message(message)
         if floor.is_real:
-            self._game.see(floor.walls, {robot: pose for robot, pose in poses.items() if all(map(math.isfinite, pose))}, (floor.width, floor.height))
+            self._game.see(
+                floor.walls,
+                {robot: pose for robot, pose in poses.items() if all(map(math.isfinite, pose))},
+                (floor.width, floor.height),
+            )
         with self._lock:
             piece = self._track and self._track.see(now, floor, poses)
             if piece:

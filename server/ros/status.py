@@ -4,7 +4,7 @@ from collections.abc import Set
 
 import rospy
 
-from laser_bot_battle.msg import GameEvent, GameStatus, UserStatus
+from laser_bot_battle.msg import GameEvent, GameStatus, Place, UserStatus
 from laser_bot_battle.names import GAME_STATUS
 from laser_bot_battle.rospy_cures import latched_publisher
 from server.game.robot_health import RobotsHealth
@@ -47,7 +47,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
                 life=player.life,
                 ready=player.ready,
                 may_join=player.may_join,
-                fence=(player.fence.ahead and UserStatus.AHEAD) | (player.fence.behind and UserStatus.BEHIND),
+                fence=player.fence_bits,
                 avatar=player.avatar,
                 session=player.session,
                 seat_left=player.seat_left,
@@ -56,6 +56,8 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
                 shots=player.shots,
                 hits=player.hits,
                 kills=player.kills,
+                points=player.points,
+                effects=player.effect_bits,
                 weak=player.robot in weak,
             )
             for player in snapshot.players
@@ -72,12 +74,14 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
                 shots=placing.shots,
                 hits=placing.hits,
                 kills=placing.kills,
+                points=placing.points,
                 taken=placing.taken,
                 seconds=placing.seconds,
                 wins=placing.wins,
             )
             for placing in snapshot.result
         ],
+        places=[Place(kind=one.number, x=one.x, y=one.y, radius=one.radius) for one in snapshot.places],
         events=[
             GameEvent(
                 number=one.number,

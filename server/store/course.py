@@ -7,7 +7,18 @@ from typing import Any
 from server.game.users import FULL_LIFE
 
 # the events that matter here, by server.game.events
-KINDS = ("BattleStarted", "Joined", "Hit", "Left", "Unseated", "RobotGone", "Paused", "Resumed", "BattleEnded")
+KINDS = (
+    "BattleStarted",
+    "Joined",
+    "Hit",
+    "PickedUp",
+    "Left",
+    "Unseated",
+    "RobotGone",
+    "Paused",
+    "Resumed",
+    "BattleEnded",
+)
 
 
 @dataclass(slots=True)
@@ -39,7 +50,7 @@ class Course:
     @property
     def hits(self) -> int:
         """Taken."""
-        return len(self.lives) - 1
+        return len(self.shooters)
 
     def fought(self, lasted: float) -> float:
         """Seconds in a battle that has lasted so long; pauses do not count."""
@@ -85,8 +96,8 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
                 ]
             case "Joined":
                 found.append(Course(data["name"], data["robot"], data["avatar"], [(now, data["life"])]))
-            case "Hit":
-                _hit(found, data, now)
+            case "Hit" | "PickedUp":
+                (_hit if kind == "Hit" else _repair)(found, data, now)
             case "Left" | "Unseated" | "RobotGone":
                 for course in found:
                     if course.robot == data["robot"] if kind == "RobotGone" else course.name == data["name"]:
@@ -111,3 +122,10 @@ def _hit(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
             course.given = course.kills = None
         elif course.name == by and not (team and course.team == team):
             course.give(is_kill=data["life"] == 0)
+
+
+def _repair(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
+    """Also by a pick-up that repairs nothing."""
+    for course in found:
+        if course.name == data["name"] and course.life != data["life"]:
+            course.lives.append((now, data["life"]))

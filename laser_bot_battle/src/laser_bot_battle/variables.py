@@ -314,15 +314,28 @@ LATE_JOIN = flag(
     "1: who has a robot may still join a battle without teams that runs, with the life of its weakest living fighter",
 )
 FENCE = flag(
-    "LASERBOT_FENCE", "1: a robot that would leave the floor stops at its edge, as far as `/positions` tells where it is"
+    "LASERBOT_FENCE",
+    "1: a robot that would leave the floor stops at its edge, as far as `/positions` tells where it is",
+)
+HILL = flag(
+    "LASERBOT_HILL",
+    "1: each second that a fighter, or a team, is alone on one of the floor's hills is a point, and most points win",
+)
+PICKUPS = number(
+    "LASERBOT_PICKUPS",
+    0,
+    0,
+    3600,
+    "seconds after which a repair, a shield or double damage lies at each of the floor's places for it, for whoever "
+    "drives over it first; 0: never",
 )
 LINE_OF_FIRE = number(
     "LASERBOT_LINE_OF_FIRE",
     0,
     0,
     50,
-    "metres that a robot's light reaches: by `/positions`, a coded hit counts only if the shooter stood no farther away, "
-    "looked that way, and no wall was between; 0: from anywhere",
+    "metres that a robot's light reaches: by `/positions`, a coded hit counts only if the shooter stood no farther "
+    "away, looked that way, and no wall was between; 0: from anywhere",
 )
 DATA: Variable[Path] = Variable(
     "LASERBOT_DATA",

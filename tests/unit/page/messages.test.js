@@ -24,7 +24,7 @@ test("how long nobody can be hit is told by the topic only", () => {
 test("a reply's users are JSON in JSON, ready is a number there", () => {
   const status = fromReply(reply({ game: 1, timeLeft: 9, users: al }), null);
   assert.deepEqual([status.game, status.timeLeft], [1, 9]);
-  const unknown = { may_join: false, avatar: 0, place: 0, seat_left: 0, left: false, team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, wins: 0, weak: false };
+  const unknown = { may_join: false, fence: 0, avatar: 0, place: 0, seat_left: 0, left: false, team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, points: 0, effects: 0, taken: 0, seconds: 0, wins: 0, weak: false };
   assert.deepEqual(status.users, [{ name: "al", robot: 3, life: 70, ready: true, ...unknown }]);
   assert.deepEqual(fromReply(reply(), null).users, []);
 });

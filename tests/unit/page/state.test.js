@@ -244,6 +244,21 @@ test("beside a battle of others one may drive where the rule says so", () => {
   assert.match(text(values).hint, /you can drive; your laser is off/);
 });
 
+test("at the edge of the floor the player hears why the robot stands still, in practice, too", () => {
+  const hint = (values, me) => state.gameText(status({ ...values, users: [player("al", me)] }), "al").hint;
+  assert.match(hint({ game: 2 }, { ready: true, fence: 1 }), /stopped at the edge: turn/);
+  assert.match(hint({ game: 0, practice: true }, { fence: 2 }), /stopped at the edge: turn/);
+  assert.doesNotMatch(hint({ game: 2 }, { ready: true, fence: 0 }), /edge/);
+  assert.doesNotMatch(hint({ game: 2 }, { ready: true, life: 0, fence: 1 }), /edge/);
+});
+
+test("a player sees what a pick-up does and for how long the hill was held", () => {
+  const hint = (me) => state.gameText(status({ game: 2, users: [player("al", { ready: true, ...me })] }), "al").hint;
+  assert.equal(hint({ effects: 1 }), "Shield: no hit counts.");
+  assert.equal(hint({ effects: 3, points: 7 }), "Shield: no hit counts. Double damage! Hill: 7 s");
+  assert.doesNotMatch(hint({}), /Hill|Shield|Double/);
+});
+
 test("light goes out in one's own battle and in practice before it, but not beside a battle of others", () => {
   const shoots = (values, me) => state.mayShoot(status({ ...values, users: [player("al", me)] }), "al");
   assert.ok(shoots({ game: 2, practice_beside: true }, { ready: true }));

@@ -20,7 +20,7 @@ from server.websocket.requests import RequestError
 
 AL, BO = session_identity("token-of-al"), session_identity("token-of-bo")
 # serialized: linear_x, angular_z, shoot
-FORWARD, SHOT, NEUTRAL = b"\x01\x00\x00", b"\x00\x00\x01", b"\x00\x00\x00"
+FORWARD, BACK, SHOT, NEUTRAL = b"\x01\x00\x00", b"\xff\x00\x00", b"\x00\x00\x01", b"\x00\x00\x00"
 COMMAND = "laser_bot_battle/Robot_msg"
 STOPPED, COUNTDOWN, PLAYING = GameStatus.STOPPED, GameStatus.COUNTDOWN, GameStatus.PLAYING
 
@@ -57,6 +57,26 @@ def test_practice_is_driving_while_no_battle_runs() -> None:
         rules.update(GameStatus(game=game, practice=practice, users=[al]), 0.0)
         assert (rules.refuses_publishing(AL, "/Robot0/command", 0.0) == "") is may, (game, practice)
         assert rules.refuses_publishing(BO, "/Robot1/command", 0.0) != "", "no player, no practice"
+
+
+@pytest.mark.parametrize(
+    ("fence", "ahead", "behind"),
+    [
+        (UserStatus.AHEAD, NEUTRAL, BACK),
+        (UserStatus.BEHIND, FORWARD, NEUTRAL),
+        (UserStatus.AHEAD | UserStatus.BEHIND, NEUTRAL, NEUTRAL),
+        (0, FORWARD, BACK),
+    ],
+)
+@pytest.mark.parametrize("game", [PLAYING, STOPPED])
+def test_at_the_floors_edge_a_robot_turns_and_shoots_but_does_not_drive_on(
+    fence: int, ahead: bytes, behind: bytes, game: int
+) -> None:
+    rules = gate(game, user("al", 0, fence=fence), user("bo", 1))
+    assert (rules.granted(AL, FORWARD), rules.granted(AL, BACK)) == (ahead, behind)
+    assert rules.granted(AL, b"\x01\xff\x01")[1:] == b"\xff\x01"
+    assert rules.granted(AL, SHOT) == SHOT
+    assert rules.granted(BO, FORWARD) == rules.granted(OPERATOR, FORWARD) == FORWARD
 
 
 def test_beside_a_battle_of_others_one_drives_where_the_rule_says_so_but_does_not_shoot() -> None:

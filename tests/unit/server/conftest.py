@@ -1,12 +1,13 @@
 """A referee with a clock that the test moves, and a web application over a real battle."""
 
 import json
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
 import pytest
 
+from laser_bot_battle.floor import Zone
 from server.game.persistence import restore
 from server.game.referee import Referee, Verdict
 from server.game.robot import HIT_INTERVAL
@@ -19,9 +20,11 @@ class Match:
     """Robots 0 to `robots`-1 registered at time 1000 s; sessions are named after the players. Unless a test is about
     the `protection` at the start of a battle, there is none."""
 
-    def __init__(self, robots: int = 4, rules: Rules | None = None, protection: float = 0) -> None:
-        self.rules = replace(rules or Rules(), protection=protection)
-        self.referee = Referee(self.rules)
+    def __init__(
+        self, robots: int = 4, rules: Rules | None = None, protection: float = 0, zones: Sequence[Zone] = ()
+    ) -> None:
+        self.rules, self.zones = replace(rules or Rules(), protection=protection), zones
+        self.referee = Referee(self.rules, zones=zones)
         self.now = 1000.0
         for number in range(robots):
             assert self.register(f"/id_service_client_{number}") == number
@@ -76,7 +79,7 @@ class Match:
         """Go on in another program, `pause` s later, with what it finds `saved`; its clock begins at 50 s."""
         saved = json.loads(json.dumps(saved or self.referee.saved(self.now)))
         self.now = 50.0
-        self.referee = Referee(self.rules, restore(saved, {}, self.now, pause))
+        self.referee = Referee(self.rules, restore(saved, {}, self.now, pause), self.zones)
 
     @property
     def state(self) -> Snapshot:

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from sqlalchemy import Connection, create_engine, insert, select
 
 from laser_bot_battle.names import Game
-from server.game import changes, events, tournament_events
+from server.game import changes, events, place_events, tournament_events
 from server.game.draw import Kind
 from server.game.events import Event, Fighter, kind_of, to_json
 from server.game.handicap import Losing
@@ -67,6 +67,11 @@ def happened(who: str, word: str) -> list[Event]:
         events.Joined(who, 1, 2, 90),
         events.Hit(who, 1, 90, "Zoë"),
         events.Hit("Zoë", 2, 0, who),
+        place_events.Fenced(who, 1, True, False),
+        place_events.HillHeld(who, 1, 12),
+        place_events.PickUpLaid(word, "repair"),
+        place_events.PickedUp(who, 1, word, "shield", 40, 8.0),
+        place_events.EffectEnded(who, 1, "shield"),
         events.BattleEnded(3, TIME_LIMIT, placings),
         events.BattleEnded(3, f"{who} was shot down", placings),
         events.BattleEnded(3, f"Zoë {AGAIN}{who}", placings),

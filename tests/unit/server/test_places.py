@@ -1,13 +1,19 @@
 """The rules of place: what the referee decides by where the robots are."""
 
 import math
+from functools import partial
 
 import pytest
 
+from laser_bot_battle.floor import Zone
+from server.game import desk
+from server.game.events import kind_of, to_json
+from server.game.places import SEEN
 from server.game.replay import replay
 from server.game.rules import Rules
-from server.game.sight import REMEMBERED, SEEN, Moment, Sides, beyond, could_meet
+from server.game.sight import REMEMBERED, Moment, Sides, beyond, could_meet
 from server.ros.status import to_message
+from server.store.course import courses
 from tests.unit.server.conftest import Match
 
 EAST, NORTH, WEST = 0.0, math.pi / 2, math.pi
@@ -17,7 +23,7 @@ WALL = (1.0, 0.5, 1.0, 1.5)
 
 def see(match: Match, *poses: tuple[float, float, float], walls=()) -> None:
     """Robots 0, 1 and so on stand so."""
-    match.referee.see(Moment(match.now, tuple(walls), dict(enumerate(poses))), WIDTH, HEIGHT)
+    match.referee.see(Moment(match.now, tuple(walls), dict(enumerate(poses))), (WIDTH, HEIGHT))
 
 
 def meets(match: Match) -> bool:
@@ -147,7 +153,7 @@ def test_nobody_is_held_by_what_nobody_sees(fenced, how):
     see(fenced, (3.93, 1, EAST), (2, 1, EAST))
     assert fenced.player("ada").fence == Sides(ahead=True)
     if how == "not seen":
-        fenced.referee.see(Moment(fenced.now, (), {1: (2, 1, EAST)}), WIDTH, HEIGHT)
+        fenced.referee.see(Moment(fenced.now, (), {1: (2, 1, EAST)}), (WIDTH, HEIGHT))
     else:
         fenced.wait(SEEN - 0.1)
         assert fenced.player("ada").fence == Sides(ahead=True)
@@ -159,3 +165,182 @@ def test_a_battle_with_a_fence_can_be_played_again(fenced):
     see(fenced, (3.93, 1, EAST), (2, 1, EAST))
     fenced.hit("bob", 10)
     assert [placing.name for placing in replay(fenced.referee.take_journal())] == ["ada", "bob"]
+
+
+HILL = Zone("middle", "hill", 2.0, 1.0, 0.3)
+SPOTS = (Zone("left", "pick-up", 0.5, 1.0, 0.1), Zone("right", "pick-up", 3.5, 1.0, 0.1))
+AWAY = (1.0, 0.2, EAST)
+
+
+def new_game(rules: Rules, *names: str) -> Match:
+    match = Match(rules=rules, zones=(HILL, *SPOTS))
+    match.start(*names)
+    return match
+
+
+def stay(match: Match, seconds: float, *poses: tuple[float, float, float]) -> None:
+    """Seen ten times a second."""
+    for _ in range(round(seconds * 10)):
+        match.wait(0.1)
+        see(match, *poses)
+
+
+def points(match: Match) -> dict[str, int]:
+    return {player.name: player.points for player in match.state.players}
+
+
+def test_a_second_alone_on_the_hill_is_a_point():
+    match = new_game(Rules(hill=True), "ada", "bob")
+    stay(match, 3.2, (2.2, 1, EAST), AWAY)
+    assert points(match) == {"ada": 3, "bob": 0}
+    stay(match, 5, (2.2, 1, EAST), (1.8, 1, EAST))
+    assert points(match) == {"ada": 3, "bob": 0}, "both are on it"
+    stay(match, 2.2, AWAY, (1.8, 1, EAST))
+    assert points(match) == {"ada": 3, "bob": 2}
+
+
+def test_a_team_holds_the_hill_together():
+    match = new_game(Rules(hill=True, teams=2), "ada", "bob", "cy", "dee")
+    teams = {player.name: player.team for player in match.state.players}
+    on_hill = {name: (2.0, 1.0, EAST) if teams[name] == teams["ada"] else AWAY for name in teams}
+    stay(match, 2.2, *(on_hill[name] for name in ("ada", "bob", "cy", "dee")))
+    assert sorted(points(match).values()) == [0, 0, 0, 2]
+    assert next(name for name, own in points(match).items() if own) in [
+        name for name in teams if teams[name] == teams["ada"]
+    ]
+
+
+def test_who_has_held_the_hill_for_longest_wins_though_shot_down():
+    match = new_game(Rules(hill=True), "ada", "bob", "cy")
+    stay(match, 2.2, (2.2, 1, EAST), AWAY, AWAY)
+    stay(match, 1.2, AWAY, (2.2, 1, EAST), AWAY)
+    match.hit("ada", 10)
+    match.hit("bob", 10)
+    assert [(one.name, one.place, one.points) for one in match.state.result] == [
+        ("ada", 1, 2),
+        ("bob", 2, 1),
+        ("cy", 3, 0),
+    ]
+    assert [one.name for one in replay(match.referee.take_journal())] == ["ada", "bob", "cy"]
+
+
+def test_a_camera_that_is_away_gives_no_points():
+    match = new_game(Rules(hill=True), "ada", "bob")
+    see(match, (2.2, 1, EAST), AWAY)
+    match.wait(30)
+    see(match, (2.2, 1, EAST), AWAY)
+    assert points(match) == {"ada": 0, "bob": 0}
+
+
+def test_without_the_rule_or_in_a_pause_the_hill_is_only_floor():
+    match = new_game(Rules(), "ada", "bob")
+    stay(match, 2, (2.2, 1, EAST), AWAY)
+    assert (points(match), match.state.places) == ({"ada": 0, "bob": 0}, ())
+    match = new_game(Rules(hill=True), "ada", "bob")
+    match.referee.operate(partial(desk.pause, by="eve"), match.now)
+    stay(match, 2, (2.2, 1, EAST), AWAY)
+    assert points(match) == {"ada": 0, "bob": 0}
+    assert [one.kind for one in match.state.places] == ["hill"]
+
+
+def lying(match: Match) -> dict[float, str]:
+    """Kinds by x."""
+    return {one.x: one.kind for one in match.state.places}
+
+
+def test_pick_ups_come_after_a_time_to_every_place_that_is_empty():
+    match = new_game(Rules(pickups=20), "ada", "bob")
+    stay(match, 19, AWAY, AWAY)
+    assert lying(match) == {}
+    match.wait(1.1)
+    assert lying(match) == {0.5: "repair", 3.5: "shield"}
+    see(match, (0.55, 1, EAST), AWAY)
+    assert lying(match) == {3.5: "shield"}
+    match.wait(19)
+    assert lying(match) == {3.5: "shield"}
+    match.wait(1.1)
+    assert lying(match) == {0.5: "shield", 3.5: "shield"}
+
+
+@pytest.fixture
+def laid() -> Match:
+    """Repair to the left, a shield to the right; ada has life 40."""
+    match = new_game(Rules(pickups=20), "ada", "bob")
+    match.wait(20.1)
+    match.hit("ada", 6)
+    return match
+
+
+def test_a_repair_gives_life_back_to_whoever_is_nearer(laid):
+    see(laid, (0.52, 1, EAST), (0.58, 1, EAST))
+    assert (laid.player("ada").life, laid.player("bob").life) == (70, 100)
+
+
+def test_nobody_has_more_than_full_life(laid):
+    see(laid, AWAY, (0.5, 1, EAST))
+    assert laid.player("bob").life == 100
+
+
+def test_a_shield_keeps_hits_away_for_a_while(laid):
+    see(laid, (3.5, 1, EAST), AWAY)
+    assert to_message(laid.state).users[-1].effects == 1
+    laid.wait(7)
+    assert laid.hit("ada") == [False]
+    laid.wait(1.1)
+    assert (laid.player("ada").effects, laid.hit("ada")) == ((), [True])
+
+
+def test_double_damage_is_that_of_the_shooters_shots(new_match):
+    match = new_game(Rules(pickups=20, light="coded"), "ada", "bob")
+    for _ in range(2):
+        match.wait(20.1)
+        see(match, AWAY, (3.5, 1, EAST))
+    assert match.player("bob").effects == ("double damage",)
+    match.wait(1)
+    assert match.referee.shot(1, match.now)
+    assert match.referee.shot_hit(0, 1, 0, match.now, shots_told=True)
+    assert match.player("ada").life == 80
+
+
+def test_a_pause_takes_nothing_of_a_shield_and_brings_no_pick_up(laid):
+    see(laid, (3.5, 1, EAST), AWAY)
+    laid.referee.operate(partial(desk.pause, by="eve"), laid.now)
+    laid.wait(60)
+    laid.referee.operate(partial(desk.resume, by="eve"), laid.now)
+    assert (laid.player("ada").effects, lying(laid)) == (("shield",), {0.5: "repair"})
+    laid.wait(8.1)
+    assert laid.player("ada").effects == ()
+
+
+@pytest.mark.parametrize("paused", [False, True])
+def test_points_shields_and_what_lies_there_outlive_the_program(laid, paused):
+    see(laid, (3.5, 1, EAST), AWAY)
+    if paused:
+        laid.referee.operate(partial(desk.pause, by="eve"), laid.now)
+    laid.restart(pause=3)
+    assert (laid.player("ada").effects, lying(laid)) == (("shield",), {0.5: "repair"})
+    if paused:
+        laid.referee.operate(partial(desk.resume, by="eve"), laid.now)
+    laid.wait(4.9)
+    assert laid.player("ada").effects == ("shield",)
+    laid.wait(3.2)
+    assert laid.player("ada").effects == ()
+
+
+def test_the_next_battle_begins_without_any_of_it(laid):
+    see(laid, (3.5, 1, EAST), AWAY)
+    laid.hit("bob", 10)
+    assert lying(laid) == {}
+    laid.ready("ada", "bob")
+    laid.wait(16)
+    assert (laid.state.game, laid.player("ada").effects, lying(laid)) == (2, (), {})
+    assert laid.hit("ada") == [True]
+
+
+def test_the_course_of_a_battle_tells_repairs_from_hits(laid):
+    see(laid, (0.5, 1, EAST), AWAY)
+    laid.hit("bob", 10)
+    recorded = [(one.at, kind_of(one.event), to_json(one.event)) for one in laid.referee.take_journal()]
+    ada, bob = courses(recorded)
+    assert (ada.hits, ada.life, [life for _, life in ada.lives][-2:]) == (6, 70, [40, 70])
+    assert (bob.hits, bob.life) == (10, 0)

@@ -17,6 +17,8 @@
  * @property {number} shots fired in the running or the last battle
  * @property {number} hits of them that have met somebody, as far as the light tells
  * @property {number} kills of them that took the last life
+ * @property {number} points s alone on hills in the running or the last battle
+ * @property {number} effects of pick-ups, that work now: 1 a shield, 2 double damage, or the sum
  * @property {number} taken in a result: hits of others that cost life
  * @property {number} seconds in a result: in the battle
  * @property {number} wins in a result: battles won in a row, this one included
@@ -29,6 +31,12 @@
  * @property {number} life that is left
  * @property {number} streak if none is left: how many the shooter has taken out in this battle
  * @property {boolean} revenge if none is left: the shooter had been taken out by this one last
+ *
+ * @typedef {object} Place
+ * @property {0|1|2|3} kind a hill, repair, a shield, double damage
+ * @property {number} x m, of its middle
+ * @property {number} y m
+ * @property {number} radius m
  *
  * @typedef {object} Status
  * @property {0|1|2} game stopped, countdown, playing
@@ -46,13 +54,14 @@
  * @property {number} teams 2 to 4; 0: everybody fights alone
  * @property {boolean} coded whether the light tells who has shot
  * @property {number} tournament grows with each change of the tournament that is open; 0: none is
+ * @property {Place[]} places hills, and what lies on the floor to be picked up
  * @property {Hit[]|null} events the newest of the running or the last battle, the newest last; null: not told
  */
 
 /** The battle's number when only /updateGameStatus has been heard. */
 export const UNKNOWN_BATTLE = -1;
 
-const UNTOLD = { may_join: false, fence: 0, team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, taken: 0, seconds: 0, wins: 0, weak: false }; // by a server that knows neither teams nor shooters
+const UNTOLD = { may_join: false, fence: 0, team: 0, handicap: 0, shots: 0, hits: 0, kills: 0, points: 0, effects: 0, taken: 0, seconds: 0, wins: 0, weak: false }; // by a server that knows neither teams nor shooters
 
 /** @returns {Status} from a laser_bot_battle/GameStatus of /game_status */
 export function fromTopic(message) {
@@ -72,6 +81,7 @@ export function fromTopic(message) {
     teams: message.teams ?? 0,
     coded: message.coded ?? false,
     tournament: message.tournament ?? 0,
+    places: message.places ?? [],
     events: message.events ?? null,
   };
 }

@@ -12,6 +12,9 @@ export const STOPPED = 0;
 export const COUNTDOWN = 1;
 export const PLAYING = 2;
 
+const SHIELD = 1; // of a player's effects
+const DOUBLE_DAMAGE = 2;
+
 const WARNING = 30; // s before the robot goes to others
 
 /**
@@ -89,7 +92,15 @@ function watchingHint({ practiceBeside }, { may_join }) {
   return practiceBeside ? "game.practice_beside" : "game.watching_hint";
 }
 
-const playingHint = ({ team }) => (team > 0 ? t("game.playing_team", { team: teamName(team) }) : t("game.playing_hint"));
+/** What works for a player now, and what is gained so far; else what is to be done. */
+function playingHint(me) {
+  const told = [me.effects & SHIELD && t("game.shield"), me.effects & DOUBLE_DAMAGE && t("game.double_damage"), hillText(me)].filter(Boolean);
+  if (told.length > 0) return told.join(" ");
+  return me.team > 0 ? t("game.playing_team", { team: teamName(me.team) }) : t("game.playing_hint");
+}
+
+/** For how long a player has held hills, in words; empty if never. */
+export const hillText = ({ points }) => (points > 0 ? t("game.hill", { n: points }) : "");
 
 const handicapHint = ({ handicap }) => (handicap > 0 ? t("game.handicap_own", { n: handicap }) : "");
 

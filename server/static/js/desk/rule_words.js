@@ -4,7 +4,7 @@ import { number, t } from "../common/words.js";
 
 /** The groups, in the order of the desk, with what belongs to them; what is in none belongs to the game. */
 const GROUPS = {
-  battle: ["countdown", "battle_limit", "hit_damage", "protection", "late_join", "handicap", "fence"],
+  battle: ["countdown", "battle_limit", "hit_damage", "protection", "late_join", "handicap", "fence", "hill", "pickups"],
   seats: ["seats", "battles_in_row", "seat_minutes", "idle", "offer", "player_timeout", "seat_timeout"],
   light: ["light", "light_damage", "line_of_fire"],
   game: ["teams", "friendly_fire", "practice"],

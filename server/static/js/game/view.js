@@ -140,6 +140,7 @@ function makeRival(name) {
       makeMark(),
       element("strong", { className: "user-name", title: name }, name),
       element("span", { className: "kills", hidden: true }),
+      element("span", { className: "hill", hidden: true }),
       element("span", { className: "handicap", hidden: true }, icon("shield"), element("span", { className: "visually-hidden" })),
     ),
     element("span", { className: "badge" }),
@@ -156,6 +157,9 @@ function fillRival(row, user, game) {
   showMark(row.querySelector(".team-mark"), user.team);
   showKills(row.querySelector(".kills"), game === state.PLAYING ? user.kills : 0);
   showHandicap(row.querySelector(".handicap"), user);
+  const hill = game === state.PLAYING ? state.hillText(user) : "";
+  row.querySelector(".hill").hidden = hill === "";
+  setText(row.querySelector(".hill"), hill);
   setText(row.querySelector(".badge"), percent(user.life));
   setLife(row.querySelector(".bar"), user.life);
 }

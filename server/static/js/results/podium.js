@@ -92,9 +92,9 @@ function restView(rest, me, coded) {
 }
 
 /** What there is to say about a player: hits and opponents taken out, if the light has told them. */
-function notesOf({ left, life, shots, hits, kills, wins }, coded) {
+function notesOf({ left, life, shots, hits, kills, points = 0, wins }, coded) {
   const end = left ? t("podium.left") : t("podium.life", { life: percent(life) });
-  return [wins > 1 && t("podium.wins", { n: wins }), end, coded && shots > 0 && t("podium.shots", { hits, shots }), coded && kills > 0 && t("podium.kills", { n: kills })].filter(Boolean);
+  return [wins > 1 && t("podium.wins", { n: wins }), end, points > 0 && t("game.hill", { n: points }), coded && shots > 0 && t("podium.shots", { hits, shots }), coded && kills > 0 && t("podium.kills", { n: kills })].filter(Boolean);
 }
 
 function pictureOf({ avatar, robot }, size) {

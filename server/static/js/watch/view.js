@@ -6,7 +6,7 @@ import { element, lifeBar, setLife, setPicture, setText } from "../common/dom.js
 import { wearColour } from "../common/robot_colours.js";
 import { leadersView } from "../results/leaders.js";
 import { podiumView } from "../results/podium.js";
-import { clockText, COUNTDOWN, handicapText, PLAYING, STOPPED } from "../battle/state.js";
+import { clockText, COUNTDOWN, handicapText, hillText, PLAYING, STOPPED } from "../battle/state.js";
 import { makeMark, showMark } from "../battle/team_view.js";
 import { byTeam, teamsOf } from "../battle/teams.js";
 import { list, percent, t } from "../common/words.js";
@@ -105,8 +105,8 @@ function fillRow(row, user, game) {
   showMark(row.querySelector(".team-mark"), user.team);
   const robot = t("watch.robot", { n: user.robot });
   const kills = game === PLAYING && user.kills > 0 ? `, ${t("podium.kills", { n: user.kills })}` : "";
-  const handicap = handicapText(user);
-  setText(row.querySelector(".watch-robot"), robot + kills + (handicap && `, ${handicap}`));
+  const more = [handicapText(user), game === PLAYING && hillText(user)].filter(Boolean).map((text) => `, ${text}`);
+  setText(row.querySelector(".watch-robot"), robot + kills + more.join(""));
   setText(row.querySelector(".watch-life"), text);
   const bar = row.querySelector(".bar");
   bar.hidden = game !== PLAYING || !user.ready;

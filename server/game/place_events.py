@@ -1,0 +1,73 @@
+"""What is decided by where the robots are (server.game.events)."""
+
+from dataclasses import dataclass
+
+from server.game.people import Name
+
+
+@dataclass(frozen=True, slots=True)
+class Fenced:
+    """A robot may not drive on, since it would leave the floor, or may again."""
+
+    name: Name  # who drives it
+    robot: int
+    ahead: bool
+    behind: bool
+
+    def __str__(self) -> str:
+        if not (self.ahead or self.behind):
+            return f"{self.name} (robot {self.robot}) is clear of the floor's edge"
+        way = "either way" if self.ahead and self.behind else "forwards" if self.ahead else "backwards"
+        return f"{self.name} (robot {self.robot}) is at the floor's edge and cannot drive on {way}"
+
+
+@dataclass(frozen=True, slots=True)
+class HillHeld:
+    """A fighter has held a hill, alone or with the own team, for another second."""
+
+    name: Name
+    robot: int
+    points: int  # the fighter's in this battle, this one included
+
+    def __str__(self) -> str:
+        return f"{self.name} (robot {self.robot}) holds the hill, {self.points} s so far"
+
+
+@dataclass(frozen=True, slots=True)
+class PickUpLaid:
+    """Something lies on the floor for whoever drives over it first."""
+
+    zone: str  # where, as the floor's file names it
+    kind: str  # one of pickups.KINDS
+
+    def __str__(self) -> str:
+        return f"a pick-up, {self.kind}, lies at {self.zone}"
+
+
+@dataclass(frozen=True, slots=True)
+class PickedUp:
+    name: Name
+    robot: int
+    zone: str
+    kind: str
+    life: int  # after a repair, too
+    seconds: float  # for which it works; 0: it has worked at once
+
+    def __str__(self) -> str:
+        lasts = f" for {self.seconds:g} s" if self.seconds else f", life {self.life}"
+        return f"{self.name} (robot {self.robot}) picks up {self.kind} at {self.zone}{lasts}"
+
+
+@dataclass(frozen=True, slots=True)
+class EffectEnded:
+    """What was picked up works no longer."""
+
+    name: Name
+    robot: int
+    kind: str
+
+    def __str__(self) -> str:
+        return f"{self.kind} of {self.name} (robot {self.robot}) is over"
+
+
+PlaceEvent = Fenced | HillHeld | PickUpLaid | PickedUp | EffectEnded
