@@ -72,7 +72,7 @@ def _serve(program: Program, settings: Settings, listener: Listener) -> Iterator
 def _game(program: Program, settings: Settings, listener: Listener) -> Iterator[None]:
     roster = Roster(settings.roster)
     database = Database(settings.database, settings.arena)
-    game = GameLoop(Referee(settings.rules, _state(database, roster, settings)))
+    game = GameLoop(Referee(settings.rules, _state(database, roster, settings), settings.floor.zones))
     database.found = lambda kept: game.take_over(kept.state or {}, roster.with_fixed(kept.robots))
     log = EventLog(database)
     log.open()

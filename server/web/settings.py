@@ -8,6 +8,7 @@ from typing import Any, Protocol, Self
 from sqlalchemy import URL
 
 from laser_bot_battle import variables
+from laser_bot_battle.floor import Floor, read_floor
 from laser_bot_battle.operator_token import read_operator_token
 from laser_bot_battle.proxies import Network, believed
 from laser_bot_battle.settings import Variable
@@ -26,6 +27,7 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.DOMAIN,
     variables.PROXIES,
     *DECLARED.values(),
+    variables.FLOOR,
     variables.OPERATOR_TOKEN,
     variables.OPERATOR_TOKEN_FILE,
     variables.DATA,
@@ -74,6 +76,7 @@ class Settings:
     arena: str  # whose data these are, where several arenas share the database; "": a file, which is never shared
     roster: Mapping[str, int]  # IDs that the operator fixed, by the robots' ROS names
     rules: Rules
+    floor: Floor
     operator_token: str  # empty: nobody is an operator
     journal: Path | None  # folder of systemd's journals that operators may read
 
@@ -95,6 +98,7 @@ class Settings:
             arena="" if database.drivername == "sqlite" else arena,
             roster=variables.ROSTER.read(environ),
             rules=Rules(**{name: variable.read(environ) for name, variable in DECLARED.items()}),
+            floor=read_floor(variables.FLOOR.read(environ)),
             operator_token=read_operator_token(environ),
             journal=Path(journal) if journal else None,
         )
