@@ -54,6 +54,8 @@ case "$*" in
 "ctr images list") cat {NOTES}/imported || true ;;
 "kubectl label "*) [ -e $again ] && echo "node/one not labeled" || echo "node/one labeled"; touch $again ;;
 *" get pods --output=json "*) cat {NOTES}/pods ;;
+"kubectl get nodes "*) cat {NOTES}/nodes || true ;;
+*" get daemonset "*) echo "$(cat {NOTES}/robots || echo 1,1,2,2,2)" ;;
 "kubectl get pods "*) echo "robot-x7k2p 0/1 ErrImageNeverPull" ;;
 *" rollout status "*) [ ! -e {NOTES}/stuck ] || {{ echo "timed out waiting for the condition" >&2; exit 1; }} ;;
 esac
@@ -151,7 +153,8 @@ def test_the_nodes_get_images_labels_and_the_game(
     assert token not in run.output
     workloads = {f"{str(kind).lower()}/{name}" for kind, name in wanted if kind in ("Deployment", "DaemonSet")}
     waited = {call.split()[5] for call in calls(nodes[0]) if " rollout status " in call}
-    assert waited == workloads
+    assert waited | {"daemonset/robot"} == workloads
+    assert [call for call in calls(nodes[0]) if " get daemonset robot " in call]
 
     again = rehearsal.playbook("k3s", variables)
     assert again.changed == 0, again.output
@@ -168,6 +171,16 @@ def test_images_of_a_registry_are_named_by_digest_too(
     robot = by_name(applied(nodes[0]))["DaemonSet", "robot"]
     (container,) = robot["spec"]["template"]["spec"]["containers"]  # type: ignore[index]
     assert container["image"] == f"192.168.1.20:5000/rosberry@{images.digests['rosberry']}"
+
+
+def test_a_robot_that_is_off_holds_up_no_other_one(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
+    """Kubernetes counts it among the robots that may be missing during an update."""
+    told = f"printf 'raspberrypi1 True\\nraspberrypi2 Unknown\\n' >{NOTES}/nodes; echo 2,2,2,1,1 >{NOTES}/robots"
+    nodes[0].run(f"sh -c {shlex.quote(told)}")
+    run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}")
+    assert "Not ready: raspberrypi2." in run.output
+    robot = by_name(applied(nodes[0]))["DaemonSet", "robot"]
+    assert robot["spec"]["updateStrategy"]["rollingUpdate"] == {"maxUnavailable": 2}  # type: ignore[index]
 
 
 def test_the_master_has_the_token_that_there_is(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
