@@ -42,6 +42,8 @@ case "$*" in
         rm $secret && echo 'secret "operator" deleted'
     done
     ;;
+*" delete poddisruptionbudget --ignore-not-found master arena")
+    [ ! -e {NOTES}/budgets ] || {{ cat {NOTES}/budgets; rm {NOTES}/budgets; }} ;;
 *" get secret operator "*) grep -l '"kind": "Secret"' -r {NOTES} --exclude=calls | xargs -r ls -t | head -n 1 ;;
 *" patch deployment master "*)
     echo "$*" >{NOTES}/given
@@ -212,6 +214,15 @@ def test_a_token_that_is_taken_away_is_no_longer_valid(
 
     again = rehearsal.playbook("k3s", variables, "--extra-vars=fleet_operator_token=")
     assert again.changed == 0, again.output
+
+
+def test_budgets_of_earlier_versions_go(rehearsal: Rehearsal, nodes: list[Machine], archive: Path) -> None:
+    variables = f"--extra-vars=fleet_images_archive={archive}"
+    rehearsal.playbook("k3s", variables)
+    told = f"echo 'poddisruptionbudget.policy \"master\" deleted' >{NOTES}/budgets"
+    nodes[0].run(f"sh -c {shlex.quote(told)}")
+    assert rehearsal.playbook("k3s", variables).recap[nodes[0].name]["changed"] == 1
+    assert rehearsal.playbook("k3s", variables).changed == 0
 
 
 def test_what_runs_is_compared_with_what_was_built(
