@@ -1,5 +1,6 @@
 """The README's examples for Flux and Argo CD, and their kustomization with a remote base."""
 
+import json
 import re
 import subprocess
 from pathlib import Path
@@ -9,7 +10,7 @@ import yaml
 
 from tests.support.crds import problems
 from tests.support.imagefile import version
-from tests.support.manifests import Manifests, Object, overlay
+from tests.support.manifests import WORKLOADS, Manifests, Object, overlay
 from tests.support.programs import ROOT
 
 README = (ROOT / "k3s/README.md").read_text()
@@ -38,6 +39,42 @@ def test_they_apply_a_folder_with_the_kustomization() -> None:
     assert flux["spec"]["sourceRef"] == {"kind": "GitRepository", "name": source["metadata"]["name"]}
     assert source["spec"]["url"] == application["spec"]["source"]["repoURL"]
     assert flux["spec"]["path"].removeprefix("./") == application["spec"]["source"]["path"]
+
+
+def test_flux_waits_for_nothing_that_may_be_pending_for_hours() -> None:
+    """As the claim of components/backups is, until the first backup."""
+    (flux,) = of("kustomize.toolkit.fluxcd.io")
+    assert not flux["spec"].get("wait"), "it would stand in for healthChecks"
+    for check in flux["spec"]["healthChecks"]:
+        assert check["kind"] in WORKLOADS
+        found = overlay("sim").one(check["kind"], check["name"])
+        assert (check["apiVersion"], check["namespace"]) == (found["apiVersion"], found["metadata"]["namespace"])
+
+
+def test_what_heals_itself_can_be_suspended_and_resumed() -> None:
+    """The commands' patches, applied to the examples: after the second one all is as before."""
+    patches = re.findall(
+        r"^kubectl --namespace (\S+) patch (\w+) (\w+) --type merge --patch '(.*)'$", SECTION, re.MULTILINE
+    )
+    for group in ("kustomize.toolkit.fluxcd.io", "argoproj.io"):
+        (example,) = of(group)
+        where = (example["metadata"]["namespace"], example["kind"].lower(), example["metadata"]["name"])
+        suspend, resume = (json.loads(patch[3])["spec"] for patch in patches if patch[:3] == where)
+        suspended = merged(example["spec"], suspend)
+        assert suspended.get("suspend") or not suspended["syncPolicy"]
+        assert problems({**example, "spec": suspended}) == []
+        assert {"suspend": False, **example["spec"]} == {"suspend": False, **merged(suspended, resume)}
+
+
+def merged(into: Object, patch: Object) -> Object:
+    """JSON Merge Patch (RFC 7386)."""
+    found = {**into}
+    for key, value in patch.items():
+        if value is None:
+            found.pop(key, None)
+        else:
+            found[key] = merged(found.get(key, {}), value) if isinstance(value, dict) else value
+    return found
 
 
 def test_the_remote_base_is_this_versions_tag_and_gives_the_same_objects(tmp_path: Path) -> None:
