@@ -1,8 +1,9 @@
 """Asks each arena how it is, again and again: beside one another, so that one that is slow, silent or endless holds up
-no other."""
+no other. Those that are away are asked in turns of their own, and less often the longer they are."""
 
 import asyncio
 import logging
+import math
 import socket
 import ssl
 import threading
@@ -11,12 +12,15 @@ from functools import cache
 from urllib.parse import SplitResult, urlsplit
 
 from laser_bot_battle.arena_list import ListedArena
+from laser_bot_battle.backoff import Backoff
+from server.entrance.arenas import FRESH
 from server.entrance.lookups import LookUp, Lookups
 from server.entrance.seen import MAX_SIZE, Seen, read_seen
 
 PERIOD = 2.0  # s between two questions to an arena
 WITHIN = 2.0  # s for a whole answer
-_AT_ONCE = 50  # questions
+SELDOM = 20.0  # s between two questions to one that is away, at most
+_AT_ONCE = 50  # questions to those that answer, and as many to others
 _PATH = "/watch.json"
 _MAX_HEAD = 16 * 1024  # bytes
 
@@ -96,27 +100,33 @@ class Watcher:
         self._ending.set()
 
     async def _watch(self) -> None:
-        turns = asyncio.Semaphore(_AT_ONCE)
+        here, away = asyncio.Semaphore(_AT_ONCE), asyncio.Semaphore(_AT_ONCE)
         async with asyncio.TaskGroup() as group:
             for place, arena in enumerate(self._arenas):
-                group.create_task(self._follow(arena, PERIOD * place / len(self._arenas), turns))
+                group.create_task(self._follow(arena, PERIOD * place / len(self._arenas), here, away))
 
-    async def _follow(self, arena: ListedArena, first: float, turns: asyncio.Semaphore) -> None:
+    async def _follow(self, arena: ListedArena, first: float, here: asyncio.Semaphore, away: asyncio.Semaphore) -> None:
         await asyncio.sleep(first)  # not all at the same moment
+        clock, heard_at, backoff = asyncio.get_running_loop().time, -math.inf, Backoff(SELDOM)
         while not self._ending.is_set():
-            async with turns:
-                await self._ask(arena)
-            await asyncio.sleep(PERIOD)
+            async with here if clock() - heard_at < FRESH else away:
+                is_heard = await self._ask(arena)
+            if is_heard:
+                heard_at = clock()
+                backoff.worked()
+            await asyncio.sleep(PERIOD if is_heard else max(PERIOD, backoff.failed()))
 
-    async def _ask(self, arena: ListedArena) -> None:
+    async def _ask(self, arena: ListedArena) -> bool:
+        """Whether it has answered."""
         try:
-            seen = await ask(arena.inside, self._lookups)
+            seen = await ask(arena.inside, self._lookups, WITHIN)
         except (OSError, ValueError) as error:
             reason = str(error) or f"no whole answer within {WITHIN:g} s"
             if arena.name not in self._away:
                 _log.warning("%s at %s is away: %s", arena.name, arena.inside, reason)
             self._away[arena.name] = reason
-        else:
-            if self._away.pop(arena.name, None):
-                _log.info("%s at %s is back", arena.name, arena.inside)
-            self._hear(arena.name, seen)
+            return False
+        if self._away.pop(arena.name, None):
+            _log.info("%s at %s is back", arena.name, arena.inside)
+        self._hear(arena.name, seen)
+        return True

@@ -4,11 +4,13 @@ import asyncio
 import contextlib
 import json
 import threading
+from collections.abc import Iterator
 
 import pytest
 
 from laser_bot_battle.arena_list import ListedArena
 from laser_bot_battle.names import Game
+from server.entrance import watcher
 from server.entrance.lookups import Lookups
 from server.entrance.seen import MAX_SIZE
 from server.entrance.watcher import Watcher, ask
@@ -85,15 +87,18 @@ def test_an_arena_that_drips_has_no_longer_than_one_that_is_silent():
             asyncio.run(ask_one(answer, 0.2))
 
 
-def test_a_silent_arena_holds_up_no_other():
-    """The second is heard while the question to the first still waits."""
-    heard = threading.Event()
-    ports: list[int] = []
+@pytest.fixture
+def two() -> Iterator[tuple[str, str, threading.Event]]:
+    """Where an arena says nothing, and where one answers, both until the event."""
+    started, done = threading.Event(), threading.Event()
+    origins: list[str] = []
 
-    async def serve_both(started, done):
+    async def serve_both():
+        over = asyncio.Event()
+
         async def stay(reader, writer):
             try:
-                await asyncio.to_thread(done.wait)
+                await over.wait()
             finally:
                 writer.transport.abort()
 
@@ -103,27 +108,52 @@ def test_a_silent_arena_holds_up_no_other():
             await writer.drain()
             writer.transport.abort()
 
-        one, two = [await asyncio.start_server(serve, "127.0.0.1", 0) for serve in (stay, tell)]
-        async with one, two:
-            ports.extend(server.sockets[0].getsockname()[1] for server in (one, two))
+        servers = [await asyncio.start_server(serve, "127.0.0.1", 0, backlog=500) for serve in (stay, tell)]
+        async with servers[0], servers[1]:
+            origins.extend(f"http://127.0.0.1:{server.sockets[0].getsockname()[1]}" for server in servers)
             started.set()
             await asyncio.to_thread(done.wait)
+            over.set()
 
-    started, done = threading.Event(), threading.Event()
-    serving = threading.Thread(target=lambda: asyncio.run(serve_both(started, done)))
+    serving = threading.Thread(target=lambda: asyncio.run(serve_both()))
     serving.start()
     assert started.wait(20)
-    silent, well = (ListedArena(f"at {port}", ":1", f"http://127.0.0.1:{port}") for port in ports)
-    watcher = Watcher([silent, well], lambda name, seen: heard.set() if name == well.name else None)
-    watching = threading.Thread(target=watcher.run)
+    yield origins[0], origins[1], done
+    done.set()
+    serving.join()
+
+
+@contextlib.contextmanager
+def watched(over, *arenas):
+    """The names of those that are heard, again and again; at the end it is over with all of them."""
+    heard: list[str] = []
+    asking = Watcher(arenas, lambda name, seen: heard.append(name))
+    watching = threading.Thread(target=asking.run)
     watching.start()
     try:
-        until(heard.is_set, 20, "the other arena is heard")
+        yield heard
     finally:
-        watcher.stop()
-        done.set()
+        asking.stop()
+        over.set()
         watching.join()
-        serving.join()
+
+
+def test_a_silent_arena_holds_up_no_other(two):
+    """The second is heard while the question to the first still waits."""
+    silent, well, over = two
+    with watched(over, ListedArena("silent", ":1", silent), ListedArena("well", ":2", well)) as heard:
+        until(lambda: heard, 20, "the other arena is heard")
+    assert set(heard) == {"well"}
+
+
+def test_neither_do_many_that_are_away(two, monkeypatch):
+    """More than are asked at once, and no question to one of them ends before the test."""
+    silent, well, over = two
+    monkeypatch.setattr(watcher, "PERIOD", 0.02)
+    monkeypatch.setattr(watcher, "WITHIN", 600.0)
+    away = [ListedArena(f"away{number}", ":1", silent) for number in range(150)]
+    with watched(over, ListedArena("well", ":2", well), *away) as heard:
+        until(lambda: len(heard) >= 5, 20, "the arena that answers is asked again and again")
 
 
 def test_a_name_server_that_is_silent_holds_up_no_other_arena_and_is_asked_once_at_a_time():
