@@ -5,6 +5,7 @@ A driver's errors are of many kinds, and none of them is the game's: here every 
 """
 
 import logging
+import math
 import sqlite3
 import threading
 import time
@@ -36,6 +37,7 @@ MAX_WAITING = 20_000  # events that wait for a database that is away; a battle h
 MAX_PIECES = 60  # of tracks that wait, too: about ten minutes
 WRITTEN_AGAIN = "the database can be written again"
 RETRY = 1.0  # s between attempts
+TALLY_AGAIN = 300.0  # s until older battles are added up again, when that has failed
 LOOK = 2.0  # s between looks at the file while nothing is to be written
 TOLD_FOR = 600.0  # s
 CLOSE_WITHIN = 1.0  # s
@@ -106,6 +108,7 @@ class Database:
         self._file: FileId | None = None  # that is open
         self._held = Held()
         self._is_left_over = True  # there may be battles that are not in the table of standings
+        self._tally_from = -math.inf  # monotonic s
         self._is_anew = False  # what is held is still to be written to another file than before
         self._mishap, self._mishap_at = "", 0.0
         self._closing = False
@@ -290,13 +293,17 @@ class Database:
 
     def _tally(self) -> None:
         """Some of what an older program has written, in a transaction of its own: a battle does not need it."""
-        if self._is_left_over:
+        if self._is_left_over and self._clocks.monotonic() >= self._tally_from:
             try:
                 with self._transaction() as connection:
                     self._is_left_over = tally_left_over(connection)
             except Exception as error:
-                self._is_left_over = False
-                _log.warning("older battles are not in the table of standings yet: %s", reason_of(error))
+                self._tally_from = self._clocks.monotonic() + TALLY_AGAIN
+                _log.warning(
+                    "older battles are not in the table of standings yet (%s): tried again in %.0f min",
+                    reason_of(error),
+                    TALLY_AGAIN / 60,
+                )
 
     def _read(self) -> bool:
         """Open what could not be read before. Whether it may be written over now."""

@@ -21,7 +21,7 @@ from server.game.persistence import restore
 from server.game.referee import Referee
 from server.store import schema, versions
 from server.store.clocks import Clocks
-from server.store.database import MAX_WAITING, TOLD_FOR, Database, Kept
+from server.store.database import MAX_WAITING, TALLY_AGAIN, TOLD_FOR, Database, Kept
 from server.store.track import Floor, Piece
 from tests.support.databases import rows, taken
 from tests.support.polling import until
@@ -670,3 +670,29 @@ def indexes(file: Path) -> set[str]:
         return {name for (name,) in connection.execute("SELECT name FROM sqlite_master WHERE type = 'index'")}
     finally:
         connection.close()
+
+
+def test_older_battles_that_could_not_be_added_up_are_tried_again(opened_file, file, match, caplog):
+    """Not at each event: what is wrong may last."""
+    database, _ = opened_file()
+    record(database, match)
+    database.close()
+    url = URL.create("sqlite", database=str(file))
+    engine = create_engine(url)
+    with engine.begin() as connection:
+        connection.execute(insert(schema.battles).values(number=1, began=1.0, ended=2.0))
+        connection.execute(text("CREATE TRIGGER no BEFORE UPDATE ON battles BEGIN SELECT RAISE(ABORT, 'not now'); END"))
+    database, _ = opened_file()
+    for name in ("ada", "bob"):
+        match.sign_up(name)
+        record(database, match)
+        until(lambda: "(not now): tried again in 5 min" in caplog.text, 20, "it is told")
+        wait_until_written(database)
+    with engine.begin() as connection:
+        connection.execute(text("DROP TRIGGER no"))
+    engine.dispose()
+    match.wait(TALLY_AGAIN)
+    match.sign_up("cy")
+    record(database, match)
+    until(lambda: [row.tallied for row in rows(url, "battles")] == [True], 20, "it is added up")
+    assert caplog.text.count("not now") == 1
