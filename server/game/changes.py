@@ -182,15 +182,16 @@ def _countdown_stopped(event: events.CountdownStopped, state: State, at: float) 
 
 
 @_change.register
-def _held(event: events.Held, state: State, _at: float) -> None:
-    state.held = event
+def _held(event: events.Held, state: State, at: float) -> None:
+    state.held, state.held_at = event, at
     if state.game is Game.COUNTDOWN:  # whoever is ready stays so
         state.game, state.paused_at = Game.STOPPED, None
 
 
 @_change.register
-def _released(_event: events.Released, state: State, _at: float) -> None:
+def _released(_event: events.Released, state: State, at: float) -> None:
     state.held = None
+    state.tournament = tournament_course.release(state.tournament, state.held_at, at)
 
 
 @_change.register

@@ -38,6 +38,7 @@ class State:
     lengths: tuple[float, ...] = ()  # s of the last battles, at most `MEASURED`
     notice: Notice = ""
     held: events.Held | None = None  # why no countdown begins
+    held_at: float = 0.0
     held_until: float = 0.0
     may_hold_until: dict[int | None, float] = field(default_factory=dict)  # by robot that has held, None: the server
     queue: list[Waiting] = field(default_factory=list)  # for a robot, the next one first

@@ -55,6 +55,14 @@ def delay(tournament: Tournament | None, seconds: float) -> Tournament | None:
     return replace(tournament, call=replace(tournament.call, until=tournament.call.until + seconds))
 
 
+def release(tournament: Tournament | None, held_at: float, at: float) -> Tournament | None:
+    """Battles were held up since then: that was no time to get ready in, and now there is some in any case."""
+    delayed = delay(tournament, at - held_at)
+    if delayed is None or delayed.call is None:
+        return delayed
+    return replace(delayed, call=replace(delayed.call, until=max(delayed.call.until, at + GRACE)))
+
+
 def game_won(state: State, battle: int, result: Sequence[Placing]) -> list[events.GameWon]:
     """What the battle's result means for the match that is called: nothing if both share a place, or one was not in
     it."""
@@ -71,7 +79,9 @@ def game_won(state: State, battle: int, result: Sequence[Placing]) -> list[event
 def no_show(state: State) -> tuple[float, events.NoShow] | None:
     """Who loses for not being ready, and when. Where nobody is, it is for the operator to say."""
     tournament = state.tournament
-    if tournament is None or tournament.call is None or not tournament.patience or state.game is not Game.STOPPED:
+    if tournament is None or tournament.call is None or not tournament.patience:
+        return None
+    if state.game is not Game.STOPPED or state.held is not None:
         return None
     called, ready = tournament.called(), state.users.get_users_ready()
     ready_since = {name: user.ready_since for name in called for user in ready if is_same_name(user.name, name)}

@@ -9,7 +9,7 @@ import pytest
 
 from server.game import changes, desk, tournament_desk
 from server.game.events import from_json, kind_of, to_json
-from server.game.referee import Verdict
+from server.game.referee import HOLD, Verdict
 from server.game.rules import Rules
 from server.game.state import State
 
@@ -190,6 +190,24 @@ def test_who_is_not_ready_in_time_loses_if_the_other_one_is(match):
     match.wait(2)
     assert (of_match(match, 1)["winner"], of_match(match, 1)["how"]) == ("dee", "no_show")
     assert "match 1: ada was not there, so dee has won" in told(match)
+
+
+@pytest.mark.parametrize(("passed", "counts_after"), [(10, 50), (200, 30)], ids=["in time", "when the time is over"])
+def test_while_battles_are_held_nobody_loses_for_not_being_ready(match, passed, counts_after):
+    match.sign_up(*FOUR)
+    open_one(match, patience=60)
+    call(match)
+    match.wait(passed)
+    match.referee.restarting("", "", match.now, is_local=True)
+    match.ready("dee")
+    for _ in range(5):
+        match.wait(9)
+        match.referee.restarting("", "", match.now, is_local=True)
+    assert of_match(match, 1)["winner"] is None
+    match.wait(HOLD + counts_after - 1)
+    assert of_match(match, 1)["winner"] is None
+    match.wait(2)
+    assert of_match(match, 1)["winner"] == "dee"
 
 
 def test_the_operator_says_who_is_missing(match):
