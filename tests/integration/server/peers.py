@@ -88,13 +88,14 @@ def ping(url: str, robot_id: int) -> bool:
 
 def status() -> None:
     def plain(user: UserStatus) -> dict[str, object]:
-        return {slot: getattr(user, slot) for slot in user.__slots__}  # or an event
+        return {slot: getattr(user, slot) for slot in user.__slots__}  # or an event, or a place
 
     def received(message: GameStatus) -> None:
         content = {slot: getattr(message, slot) for slot in message.__slots__}
         content["users"] = [plain(user) for user in message.users]
         content["result"] = [plain(user) for user in message.result]
         content["events"] = [plain(event) for event in message.events]
+        content["places"] = [plain(place) for place in message.places]
         print(json.dumps(content), flush=True)
 
     rospy.init_node("peer_status", anonymous=True)
