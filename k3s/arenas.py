@@ -3,8 +3,8 @@
 
     k3s/arenas.py k3s/overlays/arenas     then kubectl apply -k k3s/overlays/arenas
 
-FOLDER/red.yaml is the arena red (k3s/README.md); FOLDER/made is written anew. What is wrong is told in one line, and
-nothing is written then.
+FOLDER/red.yaml is the arena red (docs/kubernetes-arenas.md); FOLDER/made is written anew. What is wrong is told in one
+line, and nothing is written then.
 """
 
 import argparse

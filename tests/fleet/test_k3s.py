@@ -124,7 +124,7 @@ def by_name(objects: list[dict[str, object]]) -> dict[tuple[object, object], obj
 def test_hosts_without_k3s_are_told_where_to_get_it(rehearsal: Rehearsal, archive: Path) -> None:
     run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}", check=False)
     assert run.process.returncode != 0
-    assert "k3s/README.md" in run.output
+    assert "docs/kubernetes-robots.md" in run.output
 
 
 def test_the_nodes_get_images_labels_and_the_game(
@@ -248,4 +248,4 @@ def test_pods_that_do_not_become_ready_are_shown(rehearsal: Rehearsal, nodes: li
     run = rehearsal.playbook("k3s", f"--extra-vars=fleet_images_archive={archive}", check=False)
     assert run.process.returncode != 0
     assert "ErrImageNeverPull" in run.output
-    assert "k3s/README.md" in run.output
+    assert "docs/kubernetes-cures.md" in run.output

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 import pytest
 import requests
 
+from tests.support.documents import kubernetes_pages
 from tests.support.manifests import Manifests, customized, overlay
 from tests.support.play import PLAYING, a_bot_waits, shoot_to_the_end
 from tests.support.player import Eyes, Player
@@ -274,6 +275,6 @@ def test_a_robot_without_arduino_says_so_and_is_not_ready(version: str, tmp_path
         words = "health: no sign of work"  # what the kubelet's event quotes
         with pytest.raises(AssertionError, match=words):
             pod.exec("robot", *pod.of("robot")["readinessProbe"]["exec"]["command"])
-        assert words in (ROOT / "k3s/README.md").read_text()
+        assert words in kubernetes_pages()
     finally:
         pod.remove()

@@ -6,8 +6,8 @@ from contextlib import ExitStack
 import pytest
 
 from tests.support.containers import Container
+from tests.support.documents import kubernetes_pages
 from tests.support.polling import until
-from tests.support.programs import ROOT
 
 MASTER_PLATFORMS = ["linux/amd64", "linux/arm64"]
 ROBOT_PLATFORMS = ["linux/arm/v7", "linux/arm64", "linux/amd64"]
@@ -74,7 +74,7 @@ def test_a_ros_master_whose_port_another_one_has_ends_and_says_so(version: str) 
         with Container(*words, network=f"container:{first.id}") as second:
             told = "cannot serve port 11311"
             until(lambda: told in second.logs, 20, "it finds its port taken")
-            assert told in (ROOT / "k3s/README.md").read_text()
+            assert told in kubernetes_pages()
 
 
 @pytest.mark.slow

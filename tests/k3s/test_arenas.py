@@ -16,13 +16,13 @@ from server.access.sharing import Sharing, sharing
 from tests.k3s.conftest import Customize
 from tests.k3s.test_overlays import VERSIONS
 from tests.k3s.test_rights import is_restricted
-from tests.support.documents import blocks
+from tests.support.documents import blocks, kubernetes_pages
 from tests.support.imagefile import dockerfile
 from tests.support.manifests import SECRET, Kubelet, Manifests, Object
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT
 
-README = (ROOT / "k3s/README.md").read_text()
+README = kubernetes_pages()
 OURS = ROOT / "k3s/overlays/arenas"
 BLUE = "namespace: laserbot-blue\nport: 31010\n"
 OTHERS = {"IngressRoute", "Middleware", "PodMonitor", "PrometheusRule"}  # for which there are no schemas here

@@ -1,4 +1,4 @@
-"""What an operator is told when something is wrong, and that k3s/README.md has the words that are really said."""
+"""What an operator is told when something is wrong, and that the documents have the words that are really said."""
 
 import os
 import re
@@ -14,13 +14,14 @@ import pytest
 import yaml
 
 from tests.k3s.conftest import Customize
+from tests.support.documents import kubernetes_pages
 from tests.support.imagefile import version
 from tests.support.manifests import Kubelet, Object, overlay
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
 PYTHONPATH = f"{ROOT}:{ROOT / 'build/python'}"
-TEXT = (ROOT / "k3s/README.md").read_text()
+TEXT = kubernetes_pages()
 OVERLAY = "".join(path.read_text() for path in (ROOT / "k3s/overlays/lan").glob("*.yaml"))
 
 

@@ -8,11 +8,11 @@ import yaml
 
 from server.front.settings import FrontSettings
 from tests.k3s.conftest import Customize
+from tests.support.documents import kubernetes_pages
 from tests.support.manifests import Kubelet, Manifests, Object, overlay
 from tests.support.program_settings import ProgramSettings
-from tests.support.programs import ROOT
 
-README = (ROOT / "k3s/README.md").read_text()
+README = kubernetes_pages()
 ARENA = "10.43.0.2"
 
 

@@ -9,11 +9,12 @@ import yaml
 from laser_bot_battle.proxies import is_proxy
 from tests.k3s.conftest import Customize
 from tests.support.crds import is_custom, problems
+from tests.support.documents import kubernetes_pages
 from tests.support.manifests import Kubelet, Manifests, Object
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT
 
-README = (ROOT / "k3s/README.md").read_text()
+README = kubernetes_pages()
 FRONT = (ROOT / "server/front/nginx.conf.j2").read_text()
 HOST = "arena.example"
 EXAMPLE: Object = yaml.safe_load(next(re.finditer(r"^configMapGenerator:\n.*host-name.*\n", README, re.MULTILINE))[0])

@@ -9,12 +9,13 @@ import pytest
 import yaml
 
 from tests.support.crds import problems
+from tests.support.documents import kubernetes_pages
 from tests.support.imagefile import version
 from tests.support.manifests import WORKLOADS, Manifests, Object, overlay
 from tests.support.programs import ROOT
 
-README = (ROOT / "k3s/README.md").read_text()
-SECTION = README.partition("## By Git: Flux, Argo CD\n")[2].partition("\n## ")[0]
+README = kubernetes_pages()
+SECTION = README.partition("## By Git with Flux or Argo CD\n")[2].partition("\n## ")[0]
 BLOCKS: list[list[Object]] = [
     list(yaml.safe_load_all(block)) for block in re.findall(r"```yaml\n(.*?)```", SECTION, re.DOTALL)
 ]

@@ -11,11 +11,12 @@ import yaml
 
 from tests.k3s.conftest import Customize
 from tests.support.archive import Archive
+from tests.support.documents import kubernetes_pages
 from tests.support.imagefile import version
 from tests.support.manifests import OVERLAYS, Manifests, Object, customized, overlay
 from tests.support.programs import ROOT
 
-README = (ROOT / "k3s/README.md").read_text()
+README = kubernetes_pages()
 PROGRAM = ROOT / "k3s/images.py"
 REGISTRY = "192.168.1.20:5000"
 

@@ -10,11 +10,12 @@ import yaml
 from laser_bot_battle.proxies import is_proxy
 from tests.k3s.conftest import Customize
 from tests.k3s.test_overlays import VERSIONS
+from tests.support.documents import kubernetes_pages
 from tests.support.manifests import Kubelet, Manifests, Object
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT
 
-README = (ROOT / "k3s/README.md").read_text()
+README = kubernetes_pages()
 FRONT = (ROOT / "server/front/nginx.conf.j2").read_text()
 TRAEFIK = {"IngressRoute", "Middleware"}  # its own kinds, for which there are no schemas here
 

@@ -17,6 +17,7 @@ from tests.k3s.conftest import Customize
 from tests.k3s.test_front import container_of as of_master
 from tests.k3s.test_front import environment_of
 from tests.support.crds import is_custom, problems
+from tests.support.documents import kubernetes_pages
 from tests.support.imagefile import dockerfile, version
 from tests.support.manifests import Kubelet, Manifests, Object, overlay
 from tests.support.ports import free_port
@@ -24,7 +25,7 @@ from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT, Program
 
 OURS = ROOT / "monitoring"
-README = (ROOT / "k3s/README.md").read_text()
+README = kubernetes_pages()
 PORTS = {"prometheus": 9210, "alertmanager": 9211}
 PROGRAMS = {"web": "web", "rosbridge": "rosbridge", "camera-relay": "relay"}  # by container
 

@@ -6,13 +6,14 @@ from functools import partial
 
 import pytest
 
+from tests.support.documents import kubernetes_pages
 from tests.support.manifests import OVERLAYS, Manifests, Object, overlay, service_variables
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.program_settings import ROS, ProgramSettings
 from tests.support.programs import ROOT, Program
 
-README = (ROOT / "k3s/README.md").read_text()
+README = kubernetes_pages()
 NAMESPACES = [
     pytest.param(overlay(name).within(namespace), id=f"{name}-{namespace}")
     for name in (*OVERLAYS, "lan+front", "sim+front")

@@ -13,6 +13,7 @@ import yaml
 from kubernetes_validate.utils import all_versions
 
 from tests.k3s.conftest import Customize
+from tests.support.documents import kubernetes_pages
 from tests.support.imagefile import platforms, version
 from tests.support.manifests import OVERLAYS, WORKLOADS, Manifests, overlay
 from tests.support.programs import ROOT
@@ -47,7 +48,7 @@ def test_every_object_fits_the_schemas_of_kubernetes(manifests: Manifests, kuber
 
 
 def test_the_k3s_that_the_readme_installs_is_a_version_that_these_manifests_are_checked_for() -> None:
-    (minor,) = re.findall(r"k3s_version: v(1\.\d+)\.\d+\+k3s\d+$", (ROOT / "k3s/README.md").read_text(), re.MULTILINE)
+    (minor,) = re.findall(r"k3s_version: v(1\.\d+)\.\d+\+k3s\d+$", kubernetes_pages(), re.MULTILINE)
     assert minor in {".".join(version.split(".")[:2]) for version in VERSIONS}
 
 
@@ -180,7 +181,7 @@ def test_the_number_of_robots_is_one_value(customize: Customize) -> None:
 
 
 def test_the_readmes_example_changes_what_it_says(tmp_path: Path) -> None:
-    text = (ROOT / "k3s/README.md").read_text()
+    text = kubernetes_pages()
     example = next(
         content
         for block in re.findall(r"```yaml\n(.*?)```", text, re.DOTALL)
@@ -204,7 +205,7 @@ def test_what_an_arena_requests_is_what_the_readme_reckons_with() -> None:
         cores = sum(int(each["cpu"].removesuffix("m")) for each in asked)
         return cores, sum(int(each["memory"].removesuffix("Mi")) for each in asked)
 
-    text = " ".join((ROOT / "k3s/README.md").read_text().split())
+    text = " ".join(kubernetes_pages().split())
     workloads = {each["metadata"]["name"]: requested(each) for each in overlay("sim").workloads}
     robot = workloads.pop("robot")
     cores, memory = (sum(column) for column in zip(*workloads.values(), strict=True))

@@ -12,12 +12,13 @@ import yaml
 
 from tests.k3s.conftest import Customize
 from tests.k3s.test_overlays import VERSIONS
+from tests.support.documents import kubernetes_pages
 from tests.support.lan import NETWORK, Lan, Machine, needs_root
 from tests.support.manifests import Manifests, Object, overlay
 from tests.support.policies import Pod, pod_of, ruleset
 from tests.support.programs import ROOT, Program
 
-README = (ROOT / "k3s/README.md").read_text()
+README = kubernetes_pages()
 PEOPLE = {"web", "rosbridge", "relay", "view"}
 PORTS = (5000, 8080, 8081, 9090, 9091, 11311, 40000, 5432, 9200)  # 40000: one that a ROS node might choose
 LISTEN = f"""

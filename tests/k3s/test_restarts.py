@@ -9,6 +9,7 @@ import pytest
 from laser_bot_battle.variables import BATTLE_LIMIT
 from tests.k3s.conftest import Customize
 from tests.k3s.test_containers import Started
+from tests.support.documents import kubernetes_pages
 from tests.support.manifests import Manifests, Object, overlay
 from tests.support.programs import ROOT
 
@@ -68,6 +69,6 @@ def test_a_robots_camera_waits_with_it(customize: Customize, tmp_path: Path) -> 
 
 def test_no_budget_keeps_a_node_from_being_drained_for_ever(manifests: Manifests) -> None:
     # without these options it ends at once, as there are such pods
-    assert "`kubectl drain NODE --ignore-daemonsets --delete-emptydir-data`" in (ROOT / "k3s/README.md").read_text()
+    assert "`kubectl drain NODE --ignore-daemonsets --delete-emptydir-data`" in kubernetes_pages()
     for budget in manifests.of("PodDisruptionBudget"):
         assert budget["spec"].get("maxUnavailable", 0) >= 1

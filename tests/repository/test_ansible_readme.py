@@ -74,6 +74,6 @@ def test_the_firewall_by_hand_closes_the_ports_of_the_fleets() -> None:
     (ros_master,) = re.findall(
         r"^fleet_ros_port: (.*)$", (ANSIBLE / "roles/fleet/vars/main.yml").read_text(), re.MULTILINE
     )
-    for document in ("docs/lan.md", "k3s/README.md"):
+    for document in ("docs/lan.md", "docs/kubernetes-network.md"):
         rules = re.findall(r"^ +iifname .* drop$", (ROOT / document).read_text(), re.MULTILINE)
         assert f"tcp dport {{ {ros_master}, {ros_nodes} }} ip saddr != " in rules[0]

@@ -14,6 +14,12 @@ def page(name: str) -> str:
     return (ROOT / "docs" / name).read_text()
 
 
+def kubernetes_pages() -> str:
+    """The text of k3s/README.md and of its pages in docs/."""
+    pages = [ROOT / "k3s/README.md", *sorted((ROOT / "docs").glob("kubernetes-*.md"))]
+    return "\n".join(path.read_text() for path in pages)
+
+
 def blocks(text: str, language: str) -> list[str]:
     """The contents of the fenced blocks of that language, in order."""
     return re.findall(rf"^ *```{language}\n(.*?)^ *```$", text, re.MULTILINE | re.DOTALL)
