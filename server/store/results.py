@@ -10,6 +10,7 @@ from typing import Any
 
 from sqlalchemy import (
     URL,
+    ColumnElement,
     Connection,
     Engine,
     NullPool,
@@ -19,6 +20,7 @@ from sqlalchemy import (
     create_engine,
     exists,
     func,
+    literal_column,
     select,
     union_all,
 )
@@ -161,8 +163,8 @@ class Results:
 
     def standings(self) -> list[Standing]:
         """The same of all battles, which are added up already, but for those that an older program has written."""
+        added = all_standings()
         with self._reading() as connection:
-            added = select(*(schema.standings.c[name] for name in ("name", *COUNTS, *SHOOTING)))
             if not connection.scalar(select(exists().where(is_left_over()))):
                 return _best(connection, added)
             both = union_all(added, sums().where(is_left_over())).subquery().c
@@ -207,11 +209,13 @@ class Results:
             self._turns.release()
 
 
+def all_standings() -> Select[Any]:
+    """Each player's totals of the battles that are added up already."""
+    return select(*(schema.standings.c[name] for name in ("name", *COUNTS, *SHOOTING)))
+
+
 def _best(connection: Connection, totals: Select[Any]) -> list[Standing]:
     """Of each player's totals (see server.store.tally)."""
-    table = totals.subquery()
-    of = table.c
-    ordered = select(table).order_by(of.wins.desc(), of.hits * 1.0 / of.battles, of.name).limit(MAX_PLAYERS)
     return [
         Standing(
             place=place,
@@ -225,8 +229,15 @@ def _best(connection: Connection, totals: Select[Any]) -> list[Standing]:
             kills=row.kills,
             accuracy=accuracy(row.met, row.aimed),
         )
-        for place, row in enumerate(connection.execute(ordered).all(), 1)
+        for place, row in enumerate(connection.execute(in_order(totals)).all(), 1)
     ]
+
+
+def in_order(totals: Select[Any]) -> Select[Any]:
+    """The best of these. In the words of the index, so that of the table of standings only they are read."""
+    table = totals.subquery()
+    hits_taken: ColumnElement[float] = literal_column(schema.HITS_TAKEN)
+    return select(table).order_by(table.c.wins.desc(), hits_taken, table.c.name).limit(MAX_PLAYERS)
 
 
 def _with_fighters(connection: Connection, rows: Sequence[Row[Any]], clocks: Clocks) -> list[Battle]:

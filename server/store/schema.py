@@ -82,6 +82,8 @@ fighters = Table(
     Column("kills", Integer),  # likewise
 )
 
+HITS_TAKEN = "hits * 1.0 / battles"  # in each battle on average
+
 # what the battles that count come to for each player, see server.store.tally
 standings = Table(
     "standings",
@@ -97,7 +99,7 @@ standings = Table(
     Column("kills", Integer),
     Column("met", Integer),
     Column("aimed", Integer),
-    Index("standings_best", desc("wins")),
+    Index("standings_order", desc("wins"), text(f"({HITS_TAKEN})"), "name"),  # of the leaderboard
 )
 
 events = Table(

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 
 from sqlalchemy import Connection, Table, insert, inspect, select, text
-from sqlalchemy.schema import CreateColumn
+from sqlalchemy.schema import CreateColumn, CreateIndex
 
 from server.store import schema
 from server.store.fighters import keep_fighters
@@ -34,6 +34,8 @@ def _add_columns(connection: Connection) -> None:
         _add(connection, table, *names)
     for index in schema.battles.indexes:
         index.create(connection, checkfirst=True)
+    for index in schema.standings.indexes:  # of an expression, which SQLAlchemy does not find in a file
+        connection.execute(CreateIndex(index, if_not_exists=True))
     if arena:
         for index in (*schema.events.indexes, *schema.state.indexes):
             index.create(connection, checkfirst=True)

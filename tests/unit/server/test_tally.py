@@ -9,7 +9,7 @@ from sqlalchemy.pool import NullPool
 
 from server.store import schema, versions
 from server.store.forget import forget
-from server.store.results import Results
+from server.store.results import Results, all_standings, in_order
 from server.store.tally import tally, tally_left_over
 from tests.support.databases import rows
 from tests.support.postgres import Postgres, postgres
@@ -82,6 +82,23 @@ def test_a_server_that_adds_up_what_is_left_over_gives_whole_numbers(postgres: P
         ["ann", 1, 3, 6],
         ["bob", 1, 3, 6],
     ]
+
+
+@pytest.mark.parametrize("kind", ["SQLite", "PostgreSQL"])
+def test_the_leaderboard_reads_and_sorts_no_more_than_it_shows(kind: str, season: Season, postgres: Postgres):
+    """Also where many have won as often."""
+    if kind == "PostgreSQL":
+        season = Season(postgres.new_database())
+    totals = {"battles": 40, "wins": 10, "seconds": 1.0}
+    players = [{"name": f"p{number}", "hits": number * 7919 % 97, **totals} for number in range(5000)]
+    explain = "EXPLAIN" if kind == "PostgreSQL" else "EXPLAIN QUERY PLAN"
+    query = in_order(all_standings()).compile(season.engine, compile_kwargs={"literal_binds": True})
+    with season.engine.begin() as connection:
+        connection.execute(insert(schema.standings), players)
+        connection.execute(text("ANALYZE"))
+        plan = "\n".join(str(row) for row in connection.execute(text(f"{explain} {query}")))
+    assert "standings_order" in plan, plan
+    assert not {"Sort", "B-TREE"} & set(plan.replace("'", " ").split()), plan
 
 
 def test_a_battle_is_added_once(season: Season):
