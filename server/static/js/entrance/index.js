@@ -1,52 +1,31 @@
 // The entrance to several arenas.
 
-import { avatarUrl } from "../common/assets.js";
 import { element, setText } from "../common/dom.js";
 import { knownName } from "../common/known_name.js";
 import { connectPreferences } from "../common/preferences.js";
-import * as storage from "../common/storage.js";
+import { Who } from "../common/who.js";
 import { t } from "../common/words.js";
-import { isValidName, tidyName } from "../lobby/login.js";
 import { arenaUrl, countsText, problemText, stateText, summaryText } from "./arenas.js";
 
 const POLL = 5000; // ms between two questions; a page that nobody looks at asks nothing
 const TIMEOUT = 4000; // ms
 
 const form = document.getElementById("login");
-const nameField = document.getElementById("username");
-const nameRule = document.getElementById("name-rule");
-const picture = document.getElementById("userImage");
 const problem = document.getElementById("problem");
 const list = document.getElementById("arenas");
 
-const guest = knownName(document.cookie);
+const who = new Who(knownName(document.cookie));
 const rows = new Map(); // by the arena's name
-let avatar = guest ? guest.avatar % storage.AVATARS : Math.floor(Math.random() * storage.AVATARS);
 let busy = false;
 let timer = 0;
 
-function showAvatar() {
-  picture.src = avatarUrl(avatar);
-  picture.alt = t("login.picture", { n: avatar + 1, all: storage.AVATARS });
-}
-
-function checkName(isGood = isValidName(tidyName(nameField.value))) {
-  nameField.setAttribute("aria-invalid", String(!isGood));
-  setText(nameRule, t(isGood ? "login.rule" : "login.bad_name"));
-  return isGood;
-}
-
 /** Go to the arena called `arena`, or with "" to whichever has a robot next. */
 async function play(arena) {
-  if (busy) return;
-  if (!checkName()) {
-    nameField.focus();
-    return;
-  }
+  if (busy || !who.check()) return;
   busy = true;
   const reply = await ask("/play", {
     method: "POST",
-    body: new URLSearchParams({ name: tidyName(nameField.value), avatar, arena }),
+    body: new URLSearchParams({ name: who.name, avatar: who.avatar, arena }),
   }).catch(() => ({ status: "NO_ANSWER" }));
   busy = reply.status === "OK"; // until the next page is there
   problem.hidden = busy;
@@ -108,15 +87,8 @@ form.addEventListener("submit", (event) => {
   event.preventDefault();
   play("");
 });
-nameField.addEventListener("input", () => checkName(nameField.value.trim() === "" || undefined)); // an empty field is a beginning
-document.getElementById("avatar").addEventListener("click", () => {
-  avatar = (avatar + 1) % storage.AVATARS;
-  showAvatar();
-});
 document.addEventListener("visibilitychange", follow);
 addEventListener("pageshow", (event) => event.persisted && location.reload()); // back from an arena
 
-if (guest) nameField.value = guest.name;
 connectPreferences();
-showAvatar();
 follow();

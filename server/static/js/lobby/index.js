@@ -3,14 +3,13 @@
 import { arenaAddress } from "../common/addresses.js";
 import * as api from "../common/api.js";
 import { ArenaView } from "../common/arena_view.js";
-import { avatarUrl } from "../common/assets.js";
 import * as dialogs from "../common/dialogs.js";
 import { setText } from "../common/dom.js";
 import { help } from "../common/help.js";
 import { vibrate } from "../common/jolt.js";
 import { knownName, playOnce } from "../common/known_name.js";
 import { OfferCall } from "./call.js";
-import { isValidName, loginDialog, tidyName } from "./login.js";
+import { loginDialog } from "./login.js";
 import { connectAsking, notify } from "./notices.js";
 import { connectPreferences } from "../common/preferences.js";
 import { Preferences } from "../common/preferences_store.js";
@@ -20,14 +19,12 @@ import { arenaPlayers } from "../battle/players.js";
 import { battleText, queueText } from "../battle/queue.js";
 import { Speaker } from "../common/speaker.js";
 import * as storage from "../common/storage.js";
+import { Who } from "../common/who.js";
 import { t } from "../common/words.js";
 
 const POLL = 1000; // ms between two questions for free robots
 
 const form = document.getElementById("login");
-const nameField = document.getElementById("username");
-const nameRule = document.getElementById("name-rule");
-const picture = document.getElementById("userImage");
 const robots = document.getElementById("availableR");
 const message = document.getElementById("message");
 const choice = document.getElementById("robot");
@@ -40,29 +37,16 @@ const speaker = new Speaker(new Preferences());
 const call = new OfferCall({ speaker, vibrate, page: document, notify });
 
 const guest = knownName(document.cookie); // of another arena or the entrance
-let avatar = guest ? guest.avatar % storage.AVATARS : Math.floor(Math.random() * storage.AVATARS);
+const who = new Who(guest);
 let entered = false; // the page goes
 let busy = false;
 let tournament = null; // of whoever waits
 let arena = null; // the ArenaView, where there is one
 
-function showAvatar() {
-  picture.src = avatarUrl(avatar);
-  picture.alt = t("login.picture", { n: avatar + 1, all: storage.AVATARS });
-}
-
-/** Whether the name can be one; the rule beside the field tells if not. */
-function checkName(isGood = isValidName(tidyName(nameField.value))) {
-  nameField.setAttribute("aria-invalid", String(!isGood));
-  setText(nameRule, t(isGood ? "login.rule" : "login.bad_name"));
-  return isGood;
-}
-
 /** Sign up and go to the battle. The reply, also where the page itself says no. */
 async function logIn() {
-  const name = tidyName(nameField.value);
   if (!storage.isAvailable()) return { status: "NO_STORAGE" };
-  const reply = await api.signUp(name, avatar, choice.value).catch(() => ({ status: "NO_ANSWER" }));
+  const reply = await api.signUp(who.name, who.avatar, choice.value).catch(() => ({ status: "NO_ANSWER" }));
   if (reply.status === "OK") enter(reply);
   else if (reply.status === "QUEUED") waitForRobot();
   return reply;
@@ -73,7 +57,7 @@ function enter({ user, robot }) {
   if (entered) return;
   entered = true;
   call.end();
-  storage.save(user, robot, avatar, new Date());
+  storage.save(user, robot, who.avatar, new Date());
   location.assign("/home");
 }
 
@@ -98,7 +82,7 @@ async function waitForRobot() {
   document.body.classList.remove("is-queued");
   queue.hidden = true;
   take.hidden = true;
-  nameField.focus();
+  who.focus();
 }
 
 function showQueue(session) {
@@ -127,7 +111,7 @@ async function offerRestore() {
   const session = await api.session().catch(() => null);
   if (!session || busy) return;
   if (session.status === "QUEUED") {
-    nameField.value = session.user;
+    who.name = session.user;
     waitForRobot();
     return;
   }
@@ -148,7 +132,7 @@ async function offerRestore() {
     await api.signOut(session.user).catch(() => null);
     storage.forget();
     showRestore(false);
-    nameField.focus();
+    who.focus();
   });
 }
 
@@ -187,11 +171,7 @@ async function showRobots() {
 
 form.addEventListener("submit", async (event) => {
   event.preventDefault();
-  if (busy) return;
-  if (!checkName()) {
-    nameField.focus();
-    return;
-  }
+  if (busy || !who.check()) return;
   busy = true;
   const reply = await logIn();
   if (reply.status === "OK") return; // busy until the next page is there
@@ -200,11 +180,6 @@ form.addEventListener("submit", async (event) => {
   if (reply.status === "ROBOT_UNAVAILABLE") choice.value = "";
   dialogs.show(loginDialog(reply));
 });
-nameField.addEventListener("input", () => checkName(nameField.value.trim() === "" || undefined)); // an empty field is a beginning
-document.getElementById("avatar").addEventListener("click", () => {
-  avatar = (avatar + 1) % storage.AVATARS;
-  showAvatar();
-});
 take.addEventListener("click", async () => {
   const reply = await api.takeRobot().catch(() => null);
   if (reply?.status === "OK") enter(reply);
@@ -212,7 +187,7 @@ take.addEventListener("click", async () => {
 document.getElementById("leave").addEventListener("click", async () => {
   take.hidden = true; // it is the visitor's own wish
   call.end();
-  await api.signOut(tidyName(nameField.value)).catch(() => null);
+  await api.signOut(who.name).catch(() => null);
 });
 document.getElementById("how-to").addEventListener("click", help);
 addEventListener("pagehide", () => call.end()); // a notice would outlive the page
@@ -229,12 +204,10 @@ function openArena() {
   });
 }
 
-if (guest) nameField.value = guest.name;
 if (guest?.plays) playOnce(document.querySelector("meta[name=domain]")?.content);
 connectPreferences();
 connectAsking(document.getElementById("tell"), document.getElementById("told"));
 speaker.listen(window);
 openArena();
-showAvatar();
 showRobots();
 offerRestore();
