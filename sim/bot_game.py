@@ -158,7 +158,7 @@ class Arena:
 
 
 class Eyes:
-    """Watches the arena's public view."""
+    """Watches the arena's view."""
 
     def __init__(self, http: aiohttp.ClientSession, url: str) -> None:
         self._http = http
@@ -169,8 +169,12 @@ class Eyes:
 
     def robots(self) -> dict[int, Pose]:
         """Where the robots are now, by ID; empty when the arena does not answer."""
-        late = asyncio.get_running_loop().time() - self._seen_at
-        return self._robots if late < BLIND_AFTER else {}
+        return self._robots if self.can_see else {}
+
+    @property
+    def can_see(self) -> bool:
+        """Whether the arena answers."""
+        return asyncio.get_running_loop().time() - self._seen_at < BLIND_AFTER
 
     async def watch(self) -> NoReturn:
         """For ever, through restarts of the arena."""

@@ -27,7 +27,7 @@ from sim.bot_game import Arena, Eyes
 from sim.lifecycle import first_of, live_until, signalled
 
 VARIABLES = (ROS_MASTER_URI, ARENA, LOG_LEVEL, ALIVE_FILE)
-PERIOD = 0.2  # s between two messages
+PERIOD = 1 / 15  # s between two messages: pages draw what moves from them
 
 _log = logging.getLogger(__name__)
 
@@ -45,9 +45,8 @@ async def publish(eyes: Eyes) -> NoReturn:
     """For ever, while the arena can be seen and somebody listens."""
     publisher = rospy.Publisher(POSITIONS, Positions, queue_size=1)
     while True:
-        robots = eyes.robots()
-        if eyes.arena and robots and publisher.get_num_connections():
-            publisher.publish(to_message(eyes.arena, robots))
+        if eyes.arena and eyes.can_see and publisher.get_num_connections():
+            publisher.publish(to_message(eyes.arena, eyes.robots()))
         await asyncio.sleep(PERIOD)
 
 

@@ -10,14 +10,16 @@ import struct
 import time
 from collections.abc import Callable
 
-from laser_bot_battle.msg import GameStatus, Robot_msg, UserStatus
-from laser_bot_battle.names import GAME_STATUS, command_topic
+from laser_bot_battle.msg import GameStatus, Positions, Robot_msg, Shot, UserStatus
+from laser_bot_battle.names import GAME_STATUS, POSITIONS, SHOTS, command_topic
 from server.access.globs import Globs
 from server.access.identity import Identity, People
 from server.websocket.requests import RequestError
 
 COMMAND_TYPE = Robot_msg._type
 STATUS_TYPE = GameStatus._type
+# what everybody may look at, and its type
+PUBLIC = {GAME_STATUS: STATUS_TYPE, POSITIONS: Positions._type, SHOTS: Shot._type}
 # The referee speaks at least every 0.5 s. When it is silent for so long it is gone, and with it every right to drive.
 REFEREE_SILENCE = 3.0  # s
 NO_GLOBS = Globs()
@@ -117,10 +119,10 @@ class Gate(People):
     def refuses_subscribing(self, who: Identity, topic: str, type_name: str) -> str:
         if who.operator:
             return self._hidden_topic(topic)
-        if topic != GAME_STATUS:
-            return f"only operators may subscribe to {topic}; players and guests to {GAME_STATUS}"
-        if type_name not in ("", STATUS_TYPE):
-            return f"{topic} is of type {STATUS_TYPE}, not {type_name[:80]}"
+        if topic not in PUBLIC:
+            return f"only operators may subscribe to {topic}; players and guests to {', '.join(PUBLIC)}"
+        if type_name not in ("", PUBLIC[topic]):
+            return f"{topic} is of type {PUBLIC[topic]}, not {type_name[:80]}"
         return ""
 
     def refuses_calling(self, who: Identity, service: str) -> str:

@@ -32,7 +32,7 @@ async def run(settings: Settings, light: Ambient, timecode: bool) -> None:
     end = signalled()
     world = World(settings.floor)
     link = Link(world, light)
-    view = View(world, settings.rosbridge_port, CameraPages(world, light, timecode), settings.proxies)
+    view = View(world, CameraPages(world, light, timecode), settings.proxies)
     page = web.AppRunner(view.app(), access_log=None, shutdown_timeout=1.0, keepalive_timeout=KEEP_ALIVE)
     await page.setup()
     assert page.server

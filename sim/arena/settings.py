@@ -15,21 +15,19 @@ from laser_bot_battle.variables import (
     LOG_LEVEL,
     METRICS,
     PROXIES,
-    ROSBRIDGE,
 )
 
-VARIABLES = (BIND, ARENA, ARENA_LINK, FLOOR, ROSBRIDGE, PROXIES, METRICS, LOG_LEVEL, LOG_FORMAT, ALIVE_FILE)
+VARIABLES = (BIND, ARENA, ARENA_LINK, FLOOR, PROXIES, METRICS, LOG_LEVEL, LOG_FORMAT, ALIVE_FILE)
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the arena listens, its floor, where its page finds rosbridge on the same host, and how much it logs."""
+    """Where the arena listens, its floor, and how much it logs."""
 
     bind: str
     view_port: int
     link_port: int
     floor: Floor
-    rosbridge_port: int
     proxies: tuple[Network, ...]  # that are believed for whom they come
     metrics: tuple[str, int] | None  # where the first program is watched
     log_level: str
@@ -42,7 +40,6 @@ class Settings:
             view_port=ARENA.read(env),
             link_port=ARENA_LINK.read(env),
             floor=read_floor(FLOOR.read(env)),
-            rosbridge_port=ROSBRIDGE.read(env),
             proxies=believed(env),
             metrics=METRICS.read(env),
             log_level=LOG_LEVEL.read(env),

@@ -1,47 +1,38 @@
-"""The arena seen from above, for anyone: a page, and its state on the WebSocket /view, up to 25 times a second."""
+"""The arena seen from above, for developers and what stands for a camera: a page, and what is true on the floor on the
+WebSocket /view, 30 times a second. Players' pages draw from /positions instead."""
 
 import asyncio
 import contextlib
-import hashlib
 import json
 import logging
 import socket
 from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from laser_bot_battle import subprotocols
-from laser_bot_battle.hosts import is_valid_host
-from laser_bot_battle.names import FRONT_HEADER
-from laser_bot_battle.proxies import FORWARDED, Network, asked, visitor
-from sim.arena.cameras.pages import CAMERAS, CameraPages
+from laser_bot_battle.openings import OF_ADDRESS
+from laser_bot_battle.proxies import FORWARDED, Network, visitor
+from sim.arena.cameras.pages import CameraPages
 from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
-from sim.arena.policy import page_policy
-from sim.arena.viewers import RATE, Clock, Viewer, Viewers
 from sim.arena.world import World
 
+RATE = 30  # states a second
+MAX_VIEWERS = 64
 MAX_UNSENT = 16_384  # bytes on the way to one viewer; more would be old states
 SEND_SECONDS = 5.0  # for one message; a viewer that takes longer is gone
 STATIC = Path(__file__).resolve().parents[1] / "static"
+DRAWING = Path(__file__).resolve().parents[2] / "server" / "static" / "js" / "arena"  # as on the players' pages
 HEADERS = {
+    "Content-Security-Policy": "default-src 'self'; connect-src 'self' ws: wss:; frame-ancestors 'none'",
     "Cache-Control": "no-cache",  # an update of the arena shows at once
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "same-origin",
 }
-FRONTED = '<meta name="front" content="yes">'  # tells the page that the game is at the same address
-KEPT = {"Cache-Control": "public, max-age=31536000, immutable"}
 
 _log = logging.getLogger(__name__)
-
-
-def _files() -> str:
-    """Where the page finds its files, below its own address. Their content gives the name: browsers may keep them."""
-    content = b"".join(path.read_bytes() for path in sorted(STATIC.iterdir()))
-    return f"static/{hashlib.sha256(content).hexdigest()[:8]}/"
 
 
 def arena_message(world: World) -> dict[str, Any]:
@@ -81,32 +72,26 @@ def state_message(world: World, now: float, start: float = 0.0) -> dict[str, Any
 class View:
     """The HTTP side. Every viewer gets the newest state when it can take one; a slow one skips states."""
 
-    def __init__(self, world: World, rosbridge_port: int, eyes: CameraPages, proxies: Sequence[Network] = ()) -> None:
-        """Pages find the game's rosbridge at `rosbridge_port` of the host that they came from. Of `proxies` is believed
-        for whom they come."""
+    def __init__(self, world: World, eyes: CameraPages, proxies: Sequence[Network] = ()) -> None:
+        """Of `proxies` is believed for whom they come."""
         self._world = world
         self._proxies = proxies
         self._eyes = eyes
-        self._rosbridge_port = rosbridge_port
-        self._files = _files()
-        page = (STATIC / "arena.html").read_text()
-        self._page_text = page.replace("{{ rosbridge_port }}", str(rosbridge_port)).replace("{{ files }}", self._files)
-        self._fronted_text = self._page_text.replace("<meta name", FRONTED + "<meta name", 1)
-        self._viewers = Viewers()
-        self._open: set[web.WebSocketResponse] = set()
+        self._open: dict[web.WebSocketResponse, str] = {}  # with the viewers' addresses
         self._newest = ""
-        self._clock = Clock()
+        self._tick = asyncio.Event()  # the next one
 
     @property
     def viewers(self) -> int:
         """How many look on."""
-        return len(self._viewers)
+        return len(self._open)
 
     def app(self) -> web.Application:
         app = web.Application(middlewares=[self._with_headers])
         app.router.add_get("/", self._page)
         app.router.add_get("/view", self._view)
-        app.router.add_static(f"/{self._files}", STATIC)
+        app.router.add_static("/static/", STATIC)
+        app.router.add_static("/drawing/", DRAWING)
         self._eyes.add_to(app)
         app.cleanup_ctx.append(self._run_clock)
         app.on_shutdown.append(self._say_goodbye)  # type: ignore[arg-type]  # typed for an older aiosignal
@@ -116,24 +101,15 @@ class View:
     async def _with_headers(
         self, request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
     ) -> web.StreamResponse:
-        """The answer with the headers of all pages; 400 for a header Host that names none."""
-        host = asked(request.remote or "", partial(_header, request), self._proxies).host
-        host = "localhost" if host is None else host  # HTTP/1.0 has none
-        if not is_valid_host(host):
-            raise web.HTTPBadRequest(text="the header Host names no host")
-        headers = {"Content-Security-Policy": page_policy(host, self._rosbridge_port), **HEADERS}
+        """The answer with the headers of all pages."""
         try:
             response = await handler(request)
         except web.HTTPException as refusal:
-            refusal.headers.update(headers)
+            refusal.headers.update(HEADERS)
             raise
         if not response.prepared:  # is no WebSocket
-            for name, value in headers.items():
+            for name, value in HEADERS.items():
                 response.headers.setdefault(name, value)  # the eyes' pictures have an own Cache-Control
-            if request.path.startswith(f"/{self._files}"):
-                response.headers.update(KEPT)
-            if not request.path.startswith(CAMERAS):  # those are compressed already
-                response.enable_compression()  # page and scripts take a third of their size
         return response
 
     async def _say_goodbye(self, _app: web.Application) -> None:
@@ -141,30 +117,35 @@ class View:
             await socket_.close(code=WSCloseCode.GOING_AWAY)
 
     async def _run_clock(self, _app: web.Application) -> AsyncIterator[None]:
-        clock = asyncio.create_task(self._tick())
+        clock = asyncio.create_task(self._follow())
         yield
         clock.cancel()
         with contextlib.suppress(asyncio.CancelledError):
             await clock
 
-    async def _tick(self) -> None:
+    async def _follow(self) -> None:
         loop = asyncio.get_running_loop()
         start = loop.time()
         while True:
-            if self._viewers:
+            if self._open:
                 self._newest = json.dumps(state_message(self._world, loop.time(), start))
-                self._clock.tick()
+                self._tick.set()
+                self._tick = asyncio.Event()
             await asyncio.sleep(1 / RATE)
 
-    async def _page(self, request: web.Request) -> web.Response:
-        text = self._fronted_text if FRONT_HEADER in request.headers else self._page_text
-        return web.Response(text=text, content_type="text/html")
+    async def _page(self, _request: web.Request) -> web.FileResponse:
+        return web.FileResponse(STATIC / "arena.html")
+
+    def _refusal(self, address: str) -> str:
+        """Why there is no room for another viewer from there; empty when there is."""
+        if list(self._open.values()).count(address) >= OF_ADDRESS:
+            return f"{OF_ADDRESS} viewers have your address already"
+        return f"{MAX_VIEWERS} look on already" if len(self._open) >= MAX_VIEWERS else ""
 
     async def _view(self, request: web.Request) -> web.StreamResponse:
-        address = visitor(request.remote or "", _header(request, FORWARDED), self._proxies)
-        if reason := self._viewers.refusal(address):
+        address = visitor(request.remote or "", ", ".join(request.headers.getall(FORWARDED, [])), self._proxies)
+        if reason := self._refusal(address):
             raise web.HTTPServiceUnavailable(text=reason)
-        subprotocol = subprotocols.chosen(request.headers.getall(subprotocols.HEADER, []))
         # uncompressed: each viewer would cost the time to compress every state anew
         opened = web.WebSocketResponse(
             heartbeat=10,
@@ -172,35 +153,29 @@ class View:
             timeout=1.0,
             writer_limit=MAX_UNSENT,
             compress=False,
-            protocols=[subprotocol] if subprotocol else [],
         )
-        viewer = Viewer(address)
-        self._viewers.add(viewer)
-        self._open.add(opened)
+        self._open[opened] = address
         sender = None
         try:
             await opened.prepare(request)
             _keep_little(request)
-            sender = asyncio.create_task(self._show(opened, viewer))
+            sender = asyncio.create_task(self._show(opened))
             async for message in opened:
-                if message.type == WSMsgType.TEXT:
-                    self._viewers.hear(viewer, message.data)
-                elif message.type == WSMsgType.ERROR:
+                if message.type == WSMsgType.ERROR:
                     break
         finally:
-            self._viewers.remove(viewer)
-            self._open.discard(opened)
+            del self._open[opened]
             if sender:
                 sender.cancel()
                 with contextlib.suppress(asyncio.CancelledError):
                     await sender
         return opened
 
-    async def _show(self, opened: web.WebSocketResponse, viewer: Viewer) -> None:
+    async def _show(self, opened: web.WebSocketResponse) -> None:
         try:
             await self._send(opened, json.dumps(arena_message(self._world)))
             while not opened.closed:
-                await self._clock.wait(viewer)
+                await self._tick.wait()
                 await self._send(opened, self._newest)
         except TimeoutError:
             _log.warning("a viewer has stopped reading: disconnected")
@@ -211,11 +186,6 @@ class View:
     async def _send(self, opened: web.WebSocketResponse, text: str) -> None:
         async with asyncio.timeout(SEND_SECONDS):
             await opened.send_str(text)
-
-
-def _header(request: web.Request, name: str) -> str | None:
-    """Its value, of several with commas between them; None without one."""
-    return ", ".join(request.headers.getall(name)) if name in request.headers else None
 
 
 def _keep_little(request: web.Request) -> None:

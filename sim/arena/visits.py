@@ -9,7 +9,7 @@ from laser_bot_battle.listening import addresses
 from laser_bot_battle.openings import MOST, OF_ADDRESS, OPEN_TIMEOUT, Openings
 from laser_bot_battle.plain_address import plain_address
 from laser_bot_battle.proxies import Network, is_proxy
-from sim.arena.viewers import MAX_VIEWERS
+from sim.arena.view import MAX_VIEWERS
 
 TICK = 0.5  # s between two looks at who is silent
 BACKLOG = 256  # connections that the kernel holds until they are accepted

@@ -21,10 +21,10 @@ window.WebSocket = class extends WebSocket {
 };
 """
 
-# the page as it is where there is no view of the arena
+# the page as it is where nothing tells where the robots are
 WITHOUT_ARENA = """
-new MutationObserver(() => document.querySelector("meta[name=view-port]")?.remove())
-  .observe(document, { childList: true, subtree: true });
+const send = WebSocket.prototype.send;
+WebSocket.prototype.send = function (text) { if (!String(text).includes('"/positions"')) send.call(this, text); };
 """
 DESKTOP = (1280, 800)
 

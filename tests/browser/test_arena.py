@@ -1,6 +1,7 @@
-"""The arena's picture in a real browser: inside a page of the game, on another port, and by itself."""
+"""The picture of the arena in a real browser: fed as by rosbridge, and on the simulator's own page."""
 
 import json
+import math
 from collections.abc import Iterator
 from contextlib import ExitStack
 from functools import partial
@@ -12,44 +13,58 @@ from typing import Any
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from tests.browser.conftest import CHROMIUM, FLAGS
 from tests.integration.sim.arena import HOST, Arena, Hardware
-from tests.support.demo import Demo
-from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
 
-PAGE = """<!doctype html>
-<link rel="icon" href="/img/favicon.svg">
-<style>body { margin: 0 } iframe { border: 0; width: 100vw; height: 100vh } [hidden] { display: none }</style>
-<iframe title="arena"></iframe>
+STATIC = ROOT / "server" / "static"
+WORDS = {section: json.loads((STATIC / "words" / "en.json").read_text())[section] for section in ("arena", "game")}
+PICTURES = {f"img/avatar{number}.svg": f"../img/avatar{number}.svg" for number in range(5)}
+PAGE = f"""<!doctype html>
+<html lang="en">
+<link rel="icon" href="/static/img/favicon.svg">
+<link rel="stylesheet" href="/static/css/arena.css">
+<script type="application/json" id="words">{json.dumps(WORDS)}</script>
+<script>globalThis.PICTURES = {json.dumps(PICTURES)};</script>
+<div id="arena" class="arena" hidden><canvas role="img"></canvas><p>nobody</p></div>
 <script type="module">
-  import { ArenaView } from "./js/common/arena_view.js";
-  const heard = [];
-  const [frame, url] = [document.querySelector("iframe"), new URLSearchParams(location.search).get("arena")];
-  window.view = new ArenaView({ frame, url, onState: (state) => heard.push(state) });
-  window.heard = heard;
-</script>"""
+  import {{ ArenaView }} from "/static/js/arena/arena_view.js";
+  import {{ fromTopic }} from "/static/js/battle/messages.js";
+  window.heard = [];
+  const view = new ArenaView(document.getElementById("arena"), (state) => heard.push(state));
+  window.tell = (topic, message) => view.topics.find((one) => one.topic === topic).take(message);
+  window.take = (status, me) => view.take(fromTopic(status), me);
+</script>
+"""
 NAMES = ("Al", "Bea_the_Great_16", "Zoe", "Bob")
+WALLS = [0, 0, 1.6, 0, 1.6, 0, 1.6, 1.2, 1.6, 1.2, 0, 1.2, 0, 1.2, 0, 0]
+# what the picture has at a place of the floor, in m: [red, green, blue], 0 to 255
+COLOUR = """([x, y]) => {
+  const canvas = document.querySelector("canvas");
+  const scale = canvas.width / 1.7;
+  return [...canvas.getContext("2d").getImageData((x + 0.05) * scale, (1.25 - y) * scale, 1, 1).data].slice(0, 3);
+}"""
 
 
-class GamePages(ThreadingHTTPServer):
-    """A port with a page that shows the arena, the page's own scripts and avatars; remembers what was asked for."""
+class GamePage(ThreadingHTTPServer):
+    """A port with a page that has the picture, the page's own scripts and avatars; remembers what was asked for."""
 
     def __init__(self) -> None:
         self.asked: list[str] = []
-        super().__init__((HOST, 0), partial(_Handler, directory=str(ROOT / "server" / "static")))
+        super().__init__((HOST, 0), partial(_Handler, directory=str(STATIC)))
 
-    def url(self, arena: Arena, host: str = HOST, arena_host: str = HOST) -> str:
-        return f"http://{host}:{self.server_port}/?arena=http://{arena_host}:{arena.view_port}"
+    @property
+    def url(self) -> str:
+        return f"http://{HOST}:{self.server_port}/"
 
 
 class _Handler(SimpleHTTPRequestHandler):
-    server: GamePages
+    server: GamePage
 
     def do_GET(self) -> None:
         self.server.asked.append(self.path)
-        if not self.path.startswith("/?"):
+        if self.path.startswith("/static/"):
+            self.path = self.path.removeprefix("/static")
             super().do_GET()
             return
         self.send_response(200)
@@ -61,47 +76,14 @@ class _Handler(SimpleHTTPRequestHandler):
         pass
 
 
-@pytest.fixture
-def pages() -> Iterator[GamePages]:
-    with GamePages() as server:
+@pytest.fixture(scope="module")
+def game_page() -> Iterator[GamePage]:
+    with GamePage() as server:
         thread = Thread(target=server.serve_forever)
         thread.start()
         yield server
         server.shutdown()
         thread.join()
-
-
-@pytest.fixture
-def arena() -> Iterator[Arena]:
-    arena = Arena()
-    yield arena
-    arena.program.stop()
-
-
-@pytest.fixture
-def robots(arena: Arena) -> Iterator[list[Hardware]]:
-    with ExitStack() as stack:
-        yield [stack.enter_context(Hardware(arena, f"virtual{number}")) for number in range(6)]
-
-
-def players(**fields: Any) -> dict[str, Any]:
-    """Four players on the robots 0 to 3; the last one is out."""
-    each = [
-        {"name": name, "robot": robot, "life": 100 - 30 * robot, "ready": True, "out": robot == 3}
-        for robot, name in enumerate(NAMES)
-    ]
-    for player in each:
-        player["avatar"] = f"/img/avatar{player['robot']}.svg"
-    return {"me": "Al", "phase": "playing", "labels": {"you": "TU"}, "players": each, **fields}
-
-
-def picture(page: Page) -> str:
-    """What the picture says about itself to those who do not see it."""
-    return page.frame_locator("iframe").locator("#floor").get_attribute("aria-label") or ""
-
-
-def becomes(page: Page, state: str) -> None:
-    page.wait_for_function("state => window.view?.state === state", arg=state, timeout=30_000)
 
 
 @pytest.fixture(
@@ -112,113 +94,109 @@ def becomes(page: Page, state: str) -> None:
     ],
     ids=["desktop", "landscape", "portrait"],
 )
-def sized(request: pytest.FixtureRequest, chromium: Browser) -> Iterator[Page]:
+def sized(request: pytest.FixtureRequest, chromium: Browser, game_page: GamePage) -> Iterator[Page]:
     width, height = request.param
     with chromium.new_page(viewport={"width": width, "height": height}) as page:
+        complaints: list[str] = []
+        page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+        page.on("pageerror", lambda error: complaints.append(str(error)))
+        page.goto(game_page.url)
+        page.wait_for_function("() => Boolean(window.take)")
         yield page
+        assert complaints == []
 
 
-def test_inside_a_page_the_picture_has_the_names_and_lives_it_is_told(
-    sized: Page, arena: Arena, robots: list[Hardware], pages: GamePages, screenshots: Path
+def positions(*places: tuple[float, float]) -> dict[str, Any]:
+    """A Positions as rosbridge writes it: the robots from 0 on at these places."""
+    robots = [{"robot": number, "x": x, "y": y, "heading": 0.0} for number, (x, y) in enumerate(places)]
+    return {"width": 1.6, "height": 1.2, "walls": WALLS, "robots": robots}
+
+
+def status(*events: dict[str, Any]) -> dict[str, Any]:
+    """A GameStatus as rosbridge writes it: a battle of four on the robots 0 to 3, the last of whom is out."""
+    users = [
+        {"name": name, "robot": robot, "life": max(0, 100 - 34 * robot), "ready": True, "avatar": robot, "team": 0}
+        for robot, name in enumerate(NAMES)
+    ]
+    return {
+        "game": 2, "time_left": 60, "battle": 1, "notice": "", "paused": False, "message": "", "practice": False,
+        "queue": [], "users": users, "result": [], "events": list(events),
+    }  # fmt: skip
+
+
+RIM = 0.0525  # m, of a robot's chassis
+PLACES = ((0.3, 0.3), (0.8, 0.3), (0.3, 0.9), (1.3, 0.9), (1.3, 0.3))
+
+
+def test_the_picture_has_the_robots_their_players_shots_and_hits(
+    sized: Page, game_page: GamePage, screenshots: Path
 ) -> None:
-    robots[1].send("beam 1")
-    page = sized
-    complaints: list[str] = []
-    page.on("console", lambda message: complaints.append(message.text))
-    page.on("pageerror", lambda error: complaints.append(str(error)))
-    page.goto(pages.url(arena))
-    becomes(page, "live")
-    page.evaluate("fields => view.show(fields)", players())
-    until(lambda: "Al 100 %" in picture(page), 10, "the names are there")
-    until(lambda: page.evaluate("view.report.fps") > 0, 10, "it draws")
-    told = "Al 100 %, Bea_the_Great_16 70 %, Zoe 40 %, Bob out, Robot 4, Robot 5"
-    assert picture(page) == f"The arena seen from above, {told}"
-    until(lambda: {f"/img/avatar{number}.svg" for number in range(4)} <= set(pages.asked), 10, "its avatars come")
-    assert page.evaluate("[view.report.type, view.report.state]") == ["laserbot-arena", "live"]
-    assert page.frame_locator("iframe").locator("aside").is_hidden()
-    width = page.viewport_size["width"] if page.viewport_size else 0
-    page.screenshot(path=screenshots / f"arena-in-a-page-{width}.png")
-    assert complaints == []
+    canvas = sized.locator("#arena canvas")
+    expect(canvas).to_be_hidden()
+    sized.evaluate("message => tell('/positions', message)", positions(*PLACES))
+    expect(canvas).to_be_visible()
+    expect(sized.locator("#arena p")).to_be_hidden()
+    sized.evaluate("message => take(message, 'Al')", status())
+    told = "Al 100 %, Bea_the_Great_16 66 %, Zoe 32 %, Bob out, Robot 4"
+    expect(canvas).to_have_attribute("aria-label", f"The arena seen from above, {told}")
+    until(lambda: {f"/static/img/avatar{n}.svg" for n in range(4)} <= {*game_page.asked}, 10, "its avatars come")
+    between = [0.55, 0.3]
+
+    def is_red(place: list[float]) -> bool:
+        sized.evaluate("message => tell('/positions', message)", positions(*PLACES))
+        red, green, _ = sized.evaluate(COLOUR, place)
+        return bool(red > 150 and red > green + 60)
+
+    until(lambda: sum(sized.evaluate(COLOUR, between)) > 0, 10, "the floor is drawn")
+    assert not is_red(between)
+
+    def shines() -> bool:
+        sized.evaluate("tell('/shots', {robot: 0})")
+        return is_red(between)
+
+    until(shines, 10, "the beam of robot 0 is seen on its way to robot 1")
+    hit = {"number": 1, "kind": 0, "name": NAMES[1], "by": "Al", "life": 66, "streak": 0, "revenge": False}
+    sized.evaluate("message => take(message, 'Al')", status(hit))
+    width = sized.viewport_size["width"] if sized.viewport_size else 0
+    sized.screenshot(path=screenshots / f"arena-{width}.png")
+    until(lambda: not is_red(between), 10, "the shot is over")
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("robots")
-def test_it_works_under_the_masters_name_in_which_policies_do_not_take_the_underscore(
-    chromium: Browser, arena: Arena, pages: GamePages
-) -> None:
-    name = "laser_bot_master.local"
-    flags = [*FLAGS, f"--host-resolver-rules=MAP {name} {HOST}"]
-    browser = chromium.browser_type.launch(executable_path=CHROMIUM, headless=True, args=flags)
+def test_positions_that_stop_are_missed_and_come_back(chromium: Browser, game_page: GamePage) -> None:
+    with chromium.new_page() as page:
+        page.clock.install()
+        page.goto(game_page.url)
+        page.wait_for_function("() => Boolean(window.take)")
+        arena = page.locator("#arena")
+        page.clock.run_for(3000)
+        assert page.evaluate("heard") == ["none"]
+        expect(arena).to_be_hidden()
+        page.evaluate("message => tell('/positions', message)", positions())
+        expect(arena).to_contain_text("nobody")
+        expect(arena.locator("p")).to_be_visible()
+        page.clock.run_for(4000)
+        assert page.evaluate("heard") == ["none", "live", "lost"]
+        expect(arena).to_be_visible()  # with its last state, dimmed
+        page.evaluate("message => tell('/positions', message)", positions((0.5, 0.5)))
+        assert page.evaluate("heard") == ["none", "live", "lost", "live"]
+        expect(arena.locator("p")).to_be_hidden()
+
+
+def test_the_simulators_own_page_draws_the_same(chromium: Browser, screenshots: Path) -> None:
+    arena = Arena()
     try:
-        page = browser.new_page()
-        page.goto(pages.url(arena, name, name))
-        becomes(page, "live")
-        page.evaluate("fields => view.show(fields)", players())
-        until(lambda: "Al 100 %" in picture(page), 10, "the names are there")
+        with ExitStack() as stack, chromium.new_page(viewport={"width": 800, "height": 600}) as page:
+            complaints: list[str] = []
+            page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
+            page.on("pageerror", lambda error: complaints.append(str(error)))
+            for number in range(2):
+                stack.enter_context(Hardware(arena, f"virtual{number}"))
+            until(lambda: len(arena.look()) == 2, 10, "both are there")
+            page.goto(arena.page)
+            robot = arena.look()["virtual0"]
+            rim = [robot["x"] - RIM * math.cos(robot["heading"]), robot["y"] - RIM * math.sin(robot["heading"])]
+            until(lambda: sum(page.evaluate(COLOUR, rim)) > 250, 10, "a robot's rim shines")
+            page.screenshot(path=screenshots / "arena_page.png")
+            assert complaints == []
     finally:
-        browser.close()
-
-
-def test_a_picture_of_another_site_is_not_asked_for(chromium: Browser, arena: Arena, pages: GamePages) -> None:
-    asked: list[str] = []
-    with Hardware(arena, "virtual0"), chromium.new_page() as page:
-        page.on("request", lambda request: asked.append(request.url))
-        page.goto(pages.url(arena))
-        becomes(page, "live")
-        strange = {**players()["players"][0], "avatar": "http://192.0.2.1/spy.png"}
-        page.evaluate("fields => view.show(fields)", players(players=[strange]))
-        until(lambda: "Al 100 %" in picture(page), 10, "the name is there")
-        assert not [url for url in asked if "192.0.2.1" in url]
-
-
-def test_a_page_of_another_host_can_neither_show_the_arena_nor_speak_to_it(
-    chromium: Browser, arena: Arena, pages: GamePages
-) -> None:
-    with chromium.new_page() as page:
-        refusals: list[str] = []
-        page.on("console", lambda message: refusals.append(message.text))
-        page.goto(pages.url(arena, host="localhost"))
-        until(lambda: any("frame-ancestors" in text for text in refusals), 10, "the browser refuses")
-        becomes(page, "unreachable")
-        assert page.locator("iframe").is_hidden()
-
-
-@pytest.mark.slow
-def test_an_arena_that_goes_and_comes_back_is_told_and_no_error_page_is_seen(
-    chromium: Browser, arena: Arena, pages: GamePages
-) -> None:
-    arena.program.stop()
-    with chromium.new_page() as page:
-        page.goto(pages.url(arena))
-        frame = page.locator("iframe")
-        expect(frame).to_be_hidden()
-        becomes(page, "unreachable")
-        expect(frame).to_be_hidden()
-        arena.start()
-        page.evaluate("fields => view.show(fields)", players())
-        becomes(page, "live")
-        expect(frame).to_be_visible()
-        with Hardware(arena, "virtual0"):
-            until(lambda: "Al 100 %" in picture(page), 10, "the new picture knows the players")
         arena.program.stop()
-        becomes(page, "lost")
-        expect(frame).to_be_visible()  # with its last state, dimmed
-        arena.start()
-        becomes(page, "live")
-        assert json.loads(page.evaluate("JSON.stringify(heard.filter((state) => state !== 'connecting'))")) == [
-            "unreachable", "live", "lost", "live",
-        ]  # fmt: skip
-
-
-def test_by_itself_it_hears_from_rosbridge_who_plays(demo: Demo, chromium: Browser, screenshots: Path) -> None:
-    with Player(demo, "Ann") as ann, chromium.new_context(locale="de-DE") as context:
-        page = context.new_page()
-        page.goto(demo.view.replace("ws://", "http://").removesuffix("/view"))
-        row = page.locator("#robots li").nth(ann.robot)
-        expect(row).to_contain_text("Ann")
-        expect(row).to_contain_text("nicht bereit")
-        expect(page.locator("#robots li").nth(1 - ann.robot)).to_contain_text(f"Roboter {1 - ann.robot}")
-        assert ann.ready() == "OK"
-        expect(row).to_contain_text("100 %")
-        assert "virtual" not in page.locator("body").inner_text()
-        page.screenshot(path=screenshots / "arena_page.png")

@@ -101,7 +101,7 @@ def test_a_key_a_button_and_the_arena_in_the_corner_choose_the_view_which_is_rem
     ann: Person, camera: PictureSource
 ) -> None:
     page, stage = ann.page, ann.page.locator("#stage")
-    arena = page.frame_locator("#arena").locator("#floor")
+    arena = page.locator("#arena canvas")
     expect(arena).to_be_visible()
     page.locator("#to-arena").click()
     expect(stage).to_have_attribute("data-view", "arena")
@@ -179,7 +179,7 @@ def test_without_a_camera_the_stage_shows_the_arena(person: Callable[..., Person
     bea.page.on("websocket", lambda socket: socket.on("framereceived", lambda text: heard.append(str(text))))
     bea.log_in()
     until(is_told, 20, "the relay says so")
-    expect(bea.page.frame_locator("#arena").locator("#floor")).to_be_visible()
+    expect(bea.page.locator("#arena canvas")).to_be_visible()
     expect(bea.page.locator("#stage")).to_have_attribute("data-view", "arena")
     expect(bea.page.locator("#view")).to_be_hidden()
     bea.page.keyboard.press("v")

@@ -72,7 +72,7 @@ def shows_the_result(saved: Download, robot: int) -> None:
     with Image.open(saved.path()) as picture:
         assert (picture.format, picture.size) == ("PNG", (1200, 630))
         pixels = picture.convert("RGB")
-    of_robots = re.findall("#[0-9a-f]{6}", (ROOT / "sim/static/colours.js").read_text())
+    of_robots = re.findall("#[0-9a-f]{6}", (ROOT / "server/static/js/arena/colours.js").read_text())
     assert pixels.getpixel((5, 300)) == ImageColor.getrgb(of_robots[robot])
     written = pixels.crop((310, 150, 1130, 300)).getcolors(1 << 16)
     assert written is not None

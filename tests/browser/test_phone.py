@@ -65,7 +65,7 @@ def test_on_a_phone_the_first_steps_leave_picture_and_controls_free(
 ) -> None:
     ann = person("Ann", arena=True, phone=screen)
     ann.log_in()
-    floor = ann.page.frame_locator("#arena").locator("canvas").first
+    floor = ann.page.locator("#arena canvas")
     guide = box(ann.page.locator("#guide"))
     expect(ann.page.locator(".guide-text")).to_contain_text("the pad")
     ann.page.screenshot(path=screenshots / f"guide-{screen[0]}.png")

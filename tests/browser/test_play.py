@@ -39,7 +39,7 @@ def test_two_people_play_to_the_end(
     for person in people:
         expect(person.page.locator("#game-status")).to_contain_text("PLAY!")
 
-    arena = ann.page.frame_locator("#arena").locator("#floor")
+    arena = ann.page.locator("#arena canvas")
     expect(arena).to_be_visible()
 
     above = chromium.new_page(viewport={"width": 1280, "height": 800})

@@ -71,6 +71,6 @@ def test_a_robots_lines_stand_out_and_a_name_in_its_colour_can_be_read(robot: in
 
 
 def test_a_robot_has_the_arenas_colour_on_every_page() -> None:
-    arena = re.findall(r"#[0-9a-f]{6}", (ROOT / "sim/static/colours.js").read_text().split("]")[0])
+    arena = re.findall(r"#[0-9a-f]{6}", (ROOT / "server/static/js/arena/colours.js").read_text().split("]")[0])
     assert arena == [tokens()[f"robot-{robot}"][1] for robot in range(ROBOTS)]
     assert f"const COLOURS = {ROBOTS};" in (CSS.parent / "js/common/robot_colours.js").read_text()

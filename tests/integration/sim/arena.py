@@ -2,13 +2,11 @@
 
 import json
 import math
-import re
 import socket
 import struct
 from types import TracebackType
 from typing import Any, Self
 
-import requests
 from websockets.sync.client import connect
 
 from sim.arena.geometry import METRES_PER_HALF_STEP, TRACK
@@ -30,7 +28,6 @@ class Arena:
             "LASERBOT_BIND": HOST,
             "LASERBOT_ARENA_PORT": str(self.view_port),
             "LASERBOT_ARENA_LINK_PORT": str(self.link_port),
-            "LASERBOT_ROSBRIDGE_PORT": str(free_port()),  # nobody is there
         }
         self.start()
 
@@ -45,13 +42,6 @@ class Arena:
     @property
     def page(self) -> str:
         return f"http://{HOST}:{self.view_port}/"
-
-    @property
-    def files(self) -> str:
-        """The address below which the page finds its files."""
-        found = re.search(r'src="(static/\w+/)arena\.js"', requests.get(self.page, timeout=5).text)
-        assert found
-        return self.page + found[1]
 
     def look(self) -> dict[str, dict[str, Any]]:
         """The robots now on the floor, by name, as a new viewer sees them."""

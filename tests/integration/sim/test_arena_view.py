@@ -1,18 +1,22 @@
-"""The arena's public view on real sockets, and the arena as a program."""
+"""The arena's view on real sockets, and the arena as a program."""
 
-import gzip
 import json
 import signal
 import socket
 import time
+from contextlib import ExitStack
 from itertools import pairwise
 
 import pytest
 import requests
+from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
-from websockets.typing import Subprotocol
 
+from laser_bot_battle.openings import OF_ADDRESS
+from laser_bot_battle.proxies import FORWARDED
+from sim.arena.view import MAX_VIEWERS
 from tests.integration.sim.arena import HOST, Arena, Hardware
+from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 
@@ -26,30 +30,14 @@ def test_a_viewer_gets_the_arena_and_then_its_states(arena: Arena) -> None:
     assert all(later["time"] > sooner["time"] for sooner, later in pairwise(states))
 
 
-def test_a_viewer_that_wants_a_sub_protocol_is_content(arena: Arena) -> None:
-    with connect(arena.view_url, subprotocols=[Subprotocol("arena"), Subprotocol("other")]) as view:
-        assert (json.loads(view.recv(timeout=5))["type"], view.subprotocol) == ("arena", "arena")
-
-
-@pytest.mark.parametrize(("source", "named"), [("127.0.0.1", "arena.example"), ("127.0.0.2", "127.0.0.1")])
-def test_a_page_finds_the_game_where_a_believed_proxy_says_that_the_visitor_is(
-    arena: Arena, source: str, named: str
-) -> None:
-    asked = "GET / HTTP/1.1\r\nHost: 127.0.0.1:8080\r\nX-Forwarded-Host: arena.example\r\nConnection: close\r\n\r\n"
-    with socket.create_connection((HOST, arena.view_port), 5, (source, 0)) as visitor:
-        visitor.sendall(asked.encode())
-        head = visitor.makefile("rb").read().partition(b"\r\n\r\n")[0].decode()
-    assert f" ws://{named}:{arena.env['LASERBOT_ROSBRIDGE_PORT']} " in head
-
-
 @pytest.mark.slow
-def test_the_view_has_25_states_a_second(arena: Arena) -> None:
+def test_the_view_has_30_states_a_second(arena: Arena) -> None:
     with connect(arena.view_url) as view:
         view.recv(timeout=5)
         start = time.monotonic()
         for _ in range(50):
             view.recv(timeout=5)
-        assert 15 < 50 / (time.monotonic() - start) < 30
+        assert 20 < 50 / (time.monotonic() - start) < 35
 
 
 def test_a_viewer_sees_robots_come_drive_and_go(arena: Arena) -> None:
@@ -81,34 +69,47 @@ def test_what_a_viewer_says_does_not_matter(arena: Arena, junk: str | bytes) -> 
     assert arena.look() == {}
 
 
-@pytest.mark.parametrize("file", ["", "arena.js", "arena.css"])
-def test_files_are_compressed_for_browsers_that_can_read_that(arena: Arena, file: str) -> None:
-    address = arena.files + file if file else arena.page
-    plain = requests.get(address, headers={"Accept-Encoding": "identity"}, timeout=5)
-    small = requests.get(address, headers={"Accept-Encoding": "gzip"}, timeout=5, stream=True)
-    assert "Content-Encoding" not in plain.headers
-    assert small.headers["Content-Encoding"] == "gzip"
-    wire = small.raw.read(decode_content=False)
-    assert len(wire) < len(plain.content) * 0.6
-    assert gzip.decompress(wire) == plain.content
-
-
-def test_browsers_keep_files_until_an_update_gives_them_another_address(arena: Arena) -> None:
-    assert requests.get(arena.page, timeout=5).headers["Cache-Control"] == "no-cache"
-    kept = requests.get(arena.files + "arena.js", timeout=5).headers["Cache-Control"]
-    assert "immutable" in kept
-    older = arena.files.replace(arena.files[-9:], "00000000/")
-    assert requests.get(older + "arena.js", timeout=5).status_code == 404
-
-
-def test_the_page_and_all_its_files_are_served(arena: Arena) -> None:
+def test_the_page_is_served_with_the_drawing_of_the_players_pages(arena: Arena) -> None:
     page = requests.get(arena.page, timeout=5)
     assert page.headers["Content-Type"].startswith("text/html")
-    assert "No robot on the floor yet" in page.text
-    for file in ("arena.css", "arena.js", "icon.svg", "scene.js", "players.js"):
-        assert requests.get(arena.files + file, timeout=5).status_code == 200
-    assert requests.get(f"{arena.files}../arena/__main__.py", timeout=5).status_code == 404
-    assert requests.get(f"{arena.page}nowhere", timeout=5).status_code == 404
+    for file in ("static/arena.css", "static/arena.js", "static/icon.svg", "drawing/picture.js", "drawing/scene.js"):
+        assert requests.get(arena.page + file, timeout=5).status_code == 200
+    for secret in ("static/../arena/__main__.py", "drawing/../battle/hits.js", "nowhere"):
+        asked = requests.Request("GET", arena.page).prepare()
+        asked.url = arena.page + secret  # as it is
+        with requests.Session() as session:
+            assert session.send(asked, timeout=5).status_code == 404
+
+
+@pytest.mark.parametrize("path", ["", "static/arena.js", "nothing.js"])
+def test_every_answer_says_what_a_browser_may_do(arena: Arena, path: str) -> None:
+    headers = requests.get(arena.page + path, timeout=5).headers
+    assert "default-src 'self'" in headers["Content-Security-Policy"]
+    assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
+    assert headers["X-Content-Type-Options"] == "nosniff"
+
+
+def test_a_state_goes_uncompressed_or_each_viewer_would_cost_its_compression(arena: Arena) -> None:
+    with connect(arena.view_url, compression="deflate") as view:
+        assert json.loads(view.recv(timeout=5))["type"] == "arena"
+        assert view.protocol.extensions == []
+
+
+def test_one_more_than_the_most_is_turned_away_and_room_is_made_by_leaving(arena: Arena) -> None:
+    with ExitStack() as stack:
+        here = [{FORWARDED: f"10.0.{number // OF_ADDRESS}.1"} for number in range(MAX_VIEWERS)]
+        viewers = [stack.enter_context(connect(arena.view_url, additional_headers=each)) for each in here]
+        with pytest.raises(InvalidStatus, match="503"), connect(arena.view_url):
+            pass
+        viewers[0].close()
+
+        def has_room() -> bool:
+            try:
+                return arena.look() == {}
+            except InvalidStatus:
+                return False
+
+        until(has_room, 10, "room")
 
 
 @pytest.mark.parametrize("signum", [signal.SIGINT, signal.SIGTERM])

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { Governor, LEVELS } from "../../../sim/static/governor.js";
+import { Governor, LEVELS } from "../../../server/static/js/arena/governor.js";
 
 const FAST = 16.7;
 const SLOW = 25;
@@ -97,15 +97,4 @@ test("a hidden tab was not slow", () => {
   now += 700;
   draw(5, FAST);
   assert.equal(governor.level, 0);
-});
-
-test("a visitor who wants all effects has them, one who wants few never has more", () => {
-  governor.mode = "full";
-  draw(10, SLOW);
-  assert.equal(governor.level, 0);
-  const calm = new Governor();
-  calm.mode = "reduced";
-  assert.equal(calm.effects, LEVELS[2]);
-  governor.mode = "auto";
-  assert.equal(governor.level, LEVELS.length - 1);
 });

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { layOut } from "../../../sim/static/labels.js";
+import { layOut } from "../../../server/static/js/arena/labels.js";
 
 const RADIUS = 20;
 const tag = (x, y, values = {}) => ({ x, y, radius: RADIUS, width: 90, height: 25, ...values });

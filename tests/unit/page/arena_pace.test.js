@@ -1,11 +1,11 @@
 import assert from "node:assert/strict";
 import { beforeEach, test } from "node:test";
-import { Loop } from "../../../sim/static/loop.js";
-import { DRIFT, isDue, isOther, MOTION, REST } from "../../../sim/static/pace.js";
+import { Loop } from "../../../server/static/js/arena/loop.js";
+import { DRIFT, isDue, isOther, MOTION, REST } from "../../../server/static/js/arena/pace.js";
 
 const ARENA = { robot_radius: 0.075, beam_range: 2 };
 const SCALE = 300; // pixels for a metre
-const robot = (values = {}) => ({ name: "virtual0", id: 0, x: 1, y: 1, heading: 3, beam: false, lit: false, hits: 0, ...values });
+const robot = (values = {}) => ({ name: "virtual0", id: 0, x: 1, y: 1, heading: 3, beam: false, hits: 0, ...values });
 const isSeen = (before, after) => isOther([robot(before)], [robot(after)], ARENA, SCALE);
 
 test("a robot that has not moved by half a pixel is the same picture", () => {
@@ -23,8 +23,8 @@ test("a beam is long: its end is seen to move sooner", () => {
   assert.equal(isSeen({ beam: true }, { beam: true, heading: 3.005 }), true);
 });
 
-test("light, hits and other robots are another picture", () => {
-  for (const news of [{ beam: true }, { lit: true }, { hits: 1 }, { id: 7 }, { name: "virtual1" }]) assert.equal(isSeen({}, news), true);
+test("beams, hits and other robots are another picture", () => {
+  for (const news of [{ beam: true }, { hits: 1 }, { id: 7 }, { name: "virtual1" }]) assert.equal(isSeen({}, news), true);
   assert.equal(isOther([robot()], [], ARENA, SCALE), true);
 });
 

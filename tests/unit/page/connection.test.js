@@ -11,7 +11,7 @@ const FORWARD = { linear_x: 1, angular_z: 0, shoot: false };
 const TICKET = { user: "al", ticket: "12.ab" };
 
 let answers = true; // whether that rosbridge answers calls
-let server, port, heard, statuses, changes, refusals, roundTrips, calls, connection;
+let server, port, heard, positions, statuses, changes, refusals, roundTrips, calls, connection;
 
 /** A rosbridge that keeps what it hears and answers a subscription with one state. */
 async function listen() {
@@ -51,8 +51,9 @@ const operations = (op) => heard.filter((operation) => operation.op === op);
 /** A started connection whose page gets its tickets from `getTicket`. */
 async function connect(getTicket = async () => TICKET) {
   connection?.stop();
-  [heard, statuses, changes, refusals, roundTrips, calls] = [[], [], [], [], [], []];
+  [heard, positions, statuses, changes, refusals, roundTrips, calls] = [[], [], [], [], [], [], []];
   connection = new Connection({
+    topics: [{ topic: "/positions", type: "laser_bot_battle/Positions", throttle_rate: 60, take: (message) => positions.push(message) }],
     url: `ws://127.0.0.1:${port}`,
     onStatus: (status) => statuses.push(status),
     onChange: (up) => changes.push(up),
@@ -78,11 +79,13 @@ afterEach(async () => {
   await close();
 });
 
-test("the state of the battle arrives by subscription", () => {
-  assert.deepEqual(operations("subscribe").map(({ topic, type }) => [topic, type]), [
-    ["/game_status", "laser_bot_battle/GameStatus"],
+test("the state of the battle and what else is wanted arrive by subscription", async () => {
+  assert.deepEqual(operations("subscribe").map(({ topic, type, throttle_rate }) => [topic, type, throttle_rate]), [
+    ["/game_status", "laser_bot_battle/GameStatus", undefined],
+    ["/positions", "laser_bot_battle/Positions", 60],
   ]);
-  assert.equal(statuses[0].battle, 3);
+  await until(() => positions.length === 1, "the positions");
+  assert.deepEqual(statuses.map(({ battle }) => battle), [3]);
   assert.deepEqual(changes, [true]);
 });
 
@@ -104,7 +107,7 @@ test("the next battle advertises anew", async () => {
   connection.unadvertise();
   connection.publish(3, FORWARD);
   await until(() => operations("publish").length === 2, "two commands");
-  assert.deepEqual(heard.map(({ op }) => op).slice(2), ["advertise", "publish", "unadvertise", "advertise", "publish"]);
+  assert.deepEqual(heard.map(({ op }) => op).slice(3), ["advertise", "publish", "unadvertise", "advertise", "publish"]);
 });
 
 test("a lost connection comes back by itself, and what was commanded meanwhile is never played", async () => {
@@ -122,11 +125,11 @@ test("a lost connection comes back by itself, and what was commanded meanwhile i
   await until(() => operations("publish").length === 1, "a command");
   assert.deepEqual(operations("publish")[0].msg, NEUTRAL);
   assert.deepEqual(operations("advertise").length, 1);
-  assert.deepEqual(operations("subscribe").length, 1);
+  assert.deepEqual(operations("subscribe").length, 2);
 });
 
 test("a connection that has gone silent is replaced", async () => {
-  await until(() => operations("subscribe").length === 2, "a new subscription after the silence");
+  await until(() => operations("subscribe").length === 4, "a new subscription after the silence");
   assert.deepEqual(changes.slice(0, 3), [true, false, true]);
 });
 
@@ -146,7 +149,7 @@ test("the page says whose it is before the first command", async () => {
   give(TICKET);
   await until(() => connection.publish(3, FORWARD), "the ticket");
   await until(() => operations("publish").length > 0, "the command");
-  assert.deepEqual(heard.map(({ op }) => op).slice(0, 4), ["subscribe", "auth", "advertise", "publish"]);
+  assert.deepEqual(heard.map(({ op }) => op).slice(1, 5), ["subscribe", "auth", "advertise", "publish"]);
   assert.deepEqual([operations("auth")[0].client, operations("auth")[0].mac], [TICKET.user, TICKET.ticket]);
 });
 

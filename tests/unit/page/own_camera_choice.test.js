@@ -9,7 +9,8 @@ const NONE = { state: "none", reason: "" };
 
 /** ViewChoice that have heard of these states of the camera. */
 function after(states, { hasArena = true, wanted = "camera" } = {}) {
-  const choice = new ViewChoice(hasArena, wanted);
+  const choice = new ViewChoice(wanted);
+  choice.takeArena(hasArena);
   for (const state of states) choice.take(state);
   return choice;
 }
@@ -43,6 +44,14 @@ test("who wants the arena gets it, and then the camera rests", () => {
 test("without an arena there is only the camera, whatever is wanted", () => {
   assert.deepEqual(shown(after([LIVE], { hasArena: false, wanted: "arena" })), ["camera", false, false]);
   assert.deepEqual(shown(after([AWAY], { hasArena: false })), ["camera", false, false]);
+});
+
+test("while it is not known whether there is an arena, nothing can be chosen, and what was wanted is shown", () => {
+  for (const [wanted, view] of [["arena", "arena"], ["camera", "camera"]]) {
+    const choice = new ViewChoice(wanted);
+    choice.take(LIVE);
+    assert.deepEqual([choice.view, choice.canSwitch], [view, false]);
+  }
 });
 
 test("one switches to the other and back", () => {

@@ -3,7 +3,7 @@ import { beforeEach, test } from "node:test";
 import { StatusFeed } from "../../../server/static/js/battle/status_feed.js";
 import { message } from "./samples.js";
 
-let now, timers, sockets, answer, asked, statuses, states;
+let now, timers, sockets, answer, asked, statuses, states, positions;
 
 /** A WebSocket whose other end is the test. */
 class Socket {
@@ -49,10 +49,11 @@ const world = {
 };
 
 beforeEach(() => {
-  [now, timers, sockets, asked, statuses, states] = [0, new Set(), [], 0, [], []];
+  [now, timers, sockets, asked, statuses, states, positions] = [0, new Set(), [], 0, [], [], []];
   answer = async () => message({ battle: 7 });
+  const topics = [{ topic: "/positions", type: "laser_bot_battle/Positions", take: (message) => positions.push(message) }];
   const wiring = { url: "ws://host:9090", onStatus: (status) => statuses.push(status), onState: (state) => states.push(state) };
-  new StatusFeed(wiring, world).start();
+  new StatusFeed({ ...wiring, topics }, world).start();
 });
 
 /** Time passes; what is due happens, and what was asked is answered. */
@@ -68,11 +69,19 @@ const refuse = () => Promise.reject(new Error("no answer"));
 
 test("a guest subscribes once, to the newest state a few times a second", () => {
   sockets[0].open();
-  assert.equal(sockets[0].sent.length, 1);
+  assert.equal(sockets[0].sent.length, 2);
   const { op, topic, type, throttle_rate, queue_length } = sockets[0].sent[0];
   assert.deepEqual([op, topic, type], ["subscribe", "/game_status", "laser_bot_battle/GameStatus"]);
   assert.ok(throttle_rate >= 100, "not as fast as the game changes");
   assert.equal(queue_length, 1, "the newest waits");
+});
+
+test("other topics come to who wants them, and are no state of the battle; a refusal of one changes nothing else", () => {
+  sockets[0].open();
+  assert.deepEqual(sockets[0].sent[1], { op: "subscribe", id: "subscribe:/positions", topic: "/positions", type: "laser_bot_battle/Positions" });
+  sockets[0].say({ op: "publish", topic: "/positions", msg: { width: 2 } });
+  sockets[0].say({ op: "status", level: "error", id: "subscribe:/positions", msg: "no" });
+  assert.deepEqual([positions, statuses, states, sockets[0].closed], [[{ width: 2 }], [], [], false]);
 });
 
 test("the state arrives with the names of who waits", async () => {
@@ -116,7 +125,7 @@ test("a socket that works ends the questions", async () => {
 
 test("a refused subscription counts as no place", async () => {
   sockets[0].open();
-  sockets[0].say({ op: "status", level: "error", msg: "no" });
+  sockets[0].say({ op: "status", level: "error", id: sockets[0].sent[0].id, msg: "no" });
   assert.ok(sockets[0].closed);
   await pass(100);
   assert.equal(statuses[0].battle, 7);

@@ -24,7 +24,7 @@ LAN = [LanAddress("192.168.7.4", 24), LanAddress("10.0.0.9", 8)]
 
 @pytest.fixture
 def browser():
-    game, settings = GameLoop(Referee(Rules())), Settings.from_env({"LASERBOT_VIEW_PORT": "8123"})
+    game, settings = GameLoop(Referee(Rules())), Settings.from_env({})
     return whole_site(game, settings, create_watch(game, RobotsHealth())).test_client()
 
 
@@ -38,7 +38,6 @@ def test_the_page_needs_no_session_and_gives_none(browser):
     response = browser.get("/watch")
     assert response.status_code == 200
     assert "Set-Cookie" not in response.headers
-    assert '<meta name="view-port" content="8123">' in response.text
     assert re.search(r'<meta name="utc-offset" content="-?\d+">', response.text)
 
 

@@ -216,6 +216,6 @@ def test_whatever_stands_wherever_there_is_a_picture() -> None:
 
 
 def test_the_colours_are_those_of_the_arenas_page() -> None:
-    page = re.search(r"COLOURS = \[(.*?)\]", (ROOT / "sim/static/colours.js").read_text())
+    page = re.search(r"COLOURS = \[(.*?)\]", (ROOT / "server/static/js/arena/colours.js").read_text())
     assert page
     assert tuple(re.findall(r'"(#\w+)"', page[1])) == PALETTE

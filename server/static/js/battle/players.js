@@ -1,4 +1,4 @@
-// Who plays, as the arena's picture is told (docs/protocol-browser.md, "The arena's view"). Pure.
+// Who plays, as the picture of the arena shows it. Pure.
 
 import { avatarUrl } from "../common/assets.js";
 import { PLAYING } from "./state.js";

@@ -2,11 +2,13 @@
 // no place or does not answer. It says nothing of this browser's player.
 
 import { watchedStatus } from "../common/api.js";
+import { subscription } from "../drive/connection.js";
 import { fromTopic } from "./messages.js";
 
 // As often as people can follow. The newest state waits, so that none is lost.
 const SUBSCRIPTION = {
   op: "subscribe",
+  id: "status",
   topic: "/game_status",
   type: "laser_bot_battle/GameStatus",
   throttle_rate: 200, // ms
@@ -41,6 +43,7 @@ export class StatusFeed {
   #url;
   #onStatus;
   #onState;
+  #topics;
   #world;
   #state = "connecting";
   #socket = null;
@@ -55,12 +58,14 @@ export class StatusFeed {
    * @param {string} wiring.url of rosbridge
    * @param {(status: WatchedStatus) => void} wiring.onStatus
    * @param {(state: FeedState) => void} wiring.onState on each change
+   * @param {import("../drive/connection.js").Topic[]} [wiring.topics] what rosbridge is to bring besides
    * @param {object} world sockets, HTTP and time; tests have their own
    */
-  constructor({ url, onStatus, onState }, world = browser) {
+  constructor({ url, onStatus, onState, topics = [] }, world = browser) {
     this.#url = url;
     this.#onStatus = onStatus;
     this.#onState = onState;
+    this.#topics = topics;
     this.#world = world;
   }
 
@@ -72,15 +77,19 @@ export class StatusFeed {
     const socket = this.#world.open(this.#url);
     this.#socket = socket;
     this.#heard = 0;
-    socket.onopen = () => socket.send(JSON.stringify(SUBSCRIPTION));
+    socket.onopen = () => [SUBSCRIPTION, ...this.#topics.map(subscription)].forEach((wanted) => socket.send(JSON.stringify(wanted)));
     socket.onmessage = ({ data }) => this.#hear(JSON.parse(data));
     socket.onclose = () => this.#drop();
     this.#awaitNews();
   }
 
-  #hear({ op, level, msg }) {
-    if (op === "status" && level === "error") this.#drop(); // it refuses the subscription
+  #hear({ op, level, id, topic, msg }) {
+    if (op === "status" && level === "error" && id === SUBSCRIPTION.id) this.#drop(); // it refuses the subscription
     if (op !== "publish") return;
+    if (topic !== SUBSCRIPTION.topic) {
+      this.#topics.find((wanted) => wanted.topic === topic)?.take(msg);
+      return;
+    }
     this.#awaitNews();
     this.#heard += 1;
     // rosbridge may still know the last state of a server that is gone: only the next one shows that there is one

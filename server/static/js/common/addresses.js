@@ -10,10 +10,3 @@ export function socketAddress(program, port = content(`${program}-port`)) {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
   return content("front") ? `${scheme}//${location.host}/${PATHS[program]}` : `${scheme}//${location.hostname}:${port}/`;
 }
-
-/** Of the arena's page; null where there is none. */
-export function arenaAddress() {
-  const port = content("view-port");
-  if (!port) return null;
-  return content("front") ? `${location.origin}/arena/` : `${location.protocol}//${location.hostname}:${port}/`;
-}

@@ -11,6 +11,14 @@ const PROBE = 2000; // ms between two measurements of the way to rosbridge and b
 const PROBE_ID = "round-trip"; // of the service call that measures it
 const SIGN_IN = 1000; // ms that commands wait for the ticket; with a cookie they may pass without it
 
+/**
+ * What a connection brings besides.
+ * @typedef {{topic: string, type: string, throttle_rate?: number, queue_length?: number, take: (message: object) => void}} Topic
+ */
+
+/** The operation by which rosbridge sends it; JSON leaves `take` out. @param {Topic} wanted */
+export const subscription = (wanted) => ({ op: "subscribe", id: `subscribe:${wanted.topic}`, ...wanted });
+
 /** Subscribes to /game_status, signs in and publishes commands. */
 export class Connection {
   #url;
@@ -19,6 +27,7 @@ export class Connection {
   #onRefusal;
   #onRoundTrip;
   #getTicket;
+  #topics;
   #socket = null;
   #up = false;
   #mayPublish = false; // not before it is said whose commands they are
@@ -37,14 +46,16 @@ export class Connection {
    * @param {(reason: string) => void} wiring.onRefusal rosbridge refuses a command
    * @param {(ms: number) => void} [wiring.onRoundTrip] how long rosbridge takes to answer, or how long it has not
    * @param {() => Promise<{user: string, ticket: string}|null>} wiring.getTicket for the player of this page
+   * @param {Topic[]} [wiring.topics]
    */
-  constructor({ url, onStatus, onChange, onRefusal, onRoundTrip, getTicket }) {
+  constructor({ url, onStatus, onChange, onRefusal, onRoundTrip, getTicket, topics = [] }) {
     this.#url = url;
     this.#onStatus = onStatus;
     this.#onChange = onChange;
     this.#onRefusal = onRefusal;
     this.#onRoundTrip = onRoundTrip;
     this.#getTicket = getTicket;
+    this.#topics = topics;
   }
 
   get up() {
@@ -114,7 +125,8 @@ export class Connection {
 
   async #begin() {
     const socket = this.#socket;
-    this.#say({ op: "subscribe", id: `subscribe:${STATE}`, topic: STATE, type: "laser_bot_battle/GameStatus" });
+    this.#say(subscription({ topic: STATE, type: "laser_bot_battle/GameStatus" }));
+    for (const wanted of this.#topics) this.#say(subscription(wanted));
     this.#retryIn(SILENCE);
     this.#setUp(true);
     await Promise.race([this.signIn(), new Promise((resolve) => setTimeout(resolve, SIGN_IN))]);
@@ -141,6 +153,8 @@ export class Connection {
       this.#retryIn(SILENCE);
       this.#attempts = 0;
       this.#onStatus(msg);
+    } else if (op === "publish") {
+      this.#topics.find((wanted) => wanted.topic === topic)?.take(msg);
     } else if (op === "service_response" && id === PROBE_ID && this.#probedAt !== null) {
       this.#onRoundTrip(performance.now() - this.#probedAt);
       this.#probedAt = null;

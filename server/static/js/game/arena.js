@@ -1,21 +1,14 @@
-// The arena from above on the game page's stage.
+// The arena from above on the game page's stage, as soon as something tells where the robots are.
 
-import { arenaAddress } from "../common/addresses.js";
-import { ArenaView } from "../common/arena_view.js";
-import { showArenaNote } from "./view.js";
+import { ArenaView } from "../arena/arena_view.js";
 import { t } from "../common/words.js";
+import { showArenaNote } from "./view.js";
 
-/** The arena's picture on the stage, where there is one: it is on the host that served this page. */
-export function openArena() {
-  const url = arenaAddress();
-  if (!url) return null;
-  document.body.classList.add("has-arena");
-  return new ArenaView({
-    frame: document.getElementById("arena"),
-    url,
-    onState: (arena) => {
-      document.body.dataset.arena = arena;
-      showArenaNote(arena === "live" ? "" : t(`game.arena_${arena}`));
-    },
+/** @param {(state: import("../arena/presence.js").ArenaState) => void} onState on each change */
+export function openArena(onState) {
+  return new ArenaView(document.getElementById("arena"), (state) => {
+    document.body.dataset.arena = state;
+    showArenaNote(state === "lost" ? t("game.arena_lost") : "");
+    onState(state);
   });
 }

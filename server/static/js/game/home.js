@@ -19,7 +19,6 @@ import { HitMarks } from "./hit_marks.js";
 import { makeJolt, vibrate } from "../common/jolt.js";
 import { LinkQuality } from "./link.js";
 import { fromReply, fromTopic } from "../battle/messages.js";
-import { arenaPlayers } from "../battle/players.js";
 import { connectPreferences } from "../common/preferences.js";
 import { Preferences } from "../common/preferences_store.js";
 import { showResult } from "./result.js";
@@ -66,9 +65,9 @@ class Game {
   #tournament;
   #teams = new TeamChoice(byId("teams"), (team) => this.#chooseTeam(team));
 
-  constructor(me, arena) {
+  constructor(me) {
     this.#me = me;
-    this.#arena = arena;
+    this.#arena = openArena((state) => this.#ownCamera.takeArena(state !== "none"));
     this.#tournament = new OwnTournament(me.name, byId("tournament"));
     this.#session = new Session({
       me,
@@ -91,6 +90,7 @@ class Game {
         this.#showConnection();
       },
       getTicket: () => this.#session.check(),
+      topics: this.#arena.topics,
     });
     this.#heartbeat = new Heartbeat({
       post: () => {
@@ -110,11 +110,10 @@ class Game {
     });
     this.#ownCamera = new OwnCamera({
       robot: me.robot,
-      hasArena: arena !== null,
       preferences: this.#preferences,
       getTicket: () => this.#session.check(),
       onView: (view) => {
-        if (arena) arena.scale = view === "camera" ? CORNER : 1;
+        this.#arena.scale = view === "camera" ? CORNER : 1;
         this.#guide.show();
       },
     });
@@ -122,7 +121,7 @@ class Game {
       box: byId("guide"),
       preferences: this.#preferences,
       robot: me.robot,
-      getView: () => (byId("stage").dataset.view === "arena" && !arena ? "none" : byId("stage").dataset.view),
+      getView: () => (byId("stage").dataset.view === "arena" && byId("arena").hidden ? "none" : byId("stage").dataset.view),
     });
     this.#driver = new Driver({
       send: (command) => {
@@ -187,7 +186,7 @@ class Game {
     if (view.showCountdown(status)) count(byId("countdown"));
     view.announce(state.announcement(previous, status, name));
     this.#feed.take(previous, status);
-    this.#arena?.show({ ...arenaPlayers(status, name), labels: { you: t("game.you") } });
+    this.#arena.take(status, name);
     this.#feedback.take(previous, status, name);
     this.#marks.take(previous, status, name);
     this.#guide.take(previous, status, name, this.#driver.driving);
@@ -326,7 +325,7 @@ async function main() {
   if (user?.name !== session.user || user.robotN !== session.robot) {
     user = storage.save(session.user, session.robot, 0, new Date());
   }
-  new Game({ name: session.user, robot: session.robot, avatar: user.imgIndex, date: user.date }, openArena()).start();
+  new Game({ name: session.user, robot: session.robot, avatar: user.imgIndex, date: user.date }).start();
 }
 
 connectPreferences();

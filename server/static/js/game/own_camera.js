@@ -20,16 +20,15 @@ export class OwnCamera {
   /**
    * @param {object} wiring
    * @param {number} wiring.robot the player's
-   * @param {boolean} wiring.hasArena whether the stage has a picture of the arena, too
    * @param {import("../common/preferences_store.js").Preferences} wiring.preferences
    * @param {() => Promise<{user: string, ticket: string}|null>} wiring.getTicket for the player of this page
    * @param {(view: import("./view_choice.js").View) => void} wiring.onView what the stage shows now
    */
-  constructor({ robot, hasArena, preferences, getTicket, onView }) {
+  constructor({ robot, preferences, getTicket, onView }) {
     this.#robot = robot;
     this.#preferences = preferences;
     this.#onView = onView;
-    this.#choice = new ViewChoice(hasArena, preferences.get("view"));
+    this.#choice = new ViewChoice(preferences.get("view"));
     this.#camera = new Camera({
       url: socketAddress("relay"),
       getTicket,
@@ -46,6 +45,12 @@ export class OwnCamera {
   start() {
     this.#camera.watch(this.#robot);
     this.#camera.start();
+  }
+
+  /** Whether the stage has a picture of the arena, too. @param {boolean} has */
+  takeArena(has) {
+    this.#choice.takeArena(has);
+    this.#show();
   }
 
   stop() {

@@ -5,15 +5,19 @@ import { isUnknown } from "../camera/words.js";
 /** @typedef {"camera"|"arena"} View */
 
 export class ViewChoice {
-  #hasArena;
   #wanted;
+  #hasArena = null; // not known yet
   #isThere = false; // the robot has a camera
   #hasBegun = false; // it has been live, or was asked for
 
-  /** @param {boolean} hasArena @param {View} wanted where there are both */
-  constructor(hasArena, wanted) {
-    this.#hasArena = hasArena;
+  /** @param {View} wanted where there are both */
+  constructor(wanted) {
     this.#wanted = wanted;
+  }
+
+  /** Whether the stage has a picture of the arena, too. @param {boolean} has */
+  takeArena(has) {
+    this.#hasArena = has;
   }
 
   /** News of the own robot's camera. @param {import("../camera/relay.js").CameraState} camera */
@@ -25,13 +29,13 @@ export class ViewChoice {
 
   /** Whether the player can choose. */
   get canSwitch() {
-    return this.#hasArena && this.#isThere;
+    return this.#hasArena === true && this.#isThere;
   }
 
   /** @returns {View} "arena", too, where there is neither: the stage as it is without pictures */
   get view() {
     if (!this.#isThere) return "arena";
-    return !this.#hasArena || (this.#wanted === "camera" && this.#hasBegun) ? "camera" : "arena";
+    return this.#hasArena === false || (this.#wanted === "camera" && this.#hasBegun) ? "camera" : "arena";
   }
 
   /** Whether nobody looks at the camera though it is there and works: it need not send anything. */

@@ -1,8 +1,8 @@
 // The login page.
 
-import { arenaAddress } from "../common/addresses.js";
+import { ArenaView } from "../arena/arena_view.js";
+import { socketAddress } from "../common/addresses.js";
 import * as api from "../common/api.js";
-import { ArenaView } from "../common/arena_view.js";
 import * as dialogs from "../common/dialogs.js";
 import { setText } from "../common/dom.js";
 import { help } from "../common/help.js";
@@ -13,10 +13,9 @@ import { loginDialog } from "./login.js";
 import { connectAsking, notify } from "./notices.js";
 import { connectPreferences } from "../common/preferences.js";
 import { Preferences } from "../common/preferences_store.js";
-import { fromTopic } from "../battle/messages.js";
 import { OwnTournament } from "../battle/own_tournament.js";
-import { arenaPlayers } from "../battle/players.js";
 import { battleText, queueText } from "../battle/queue.js";
+import { StatusFeed } from "../battle/status_feed.js";
 import { Speaker } from "../common/speaker.js";
 import * as storage from "../common/storage.js";
 import { Who } from "../common/who.js";
@@ -36,12 +35,14 @@ const take = document.getElementById("take");
 const speaker = new Speaker(new Preferences());
 const call = new OfferCall({ speaker, vibrate, page: document, notify });
 
+// behind the page, where something tells where the robots are
+const arena = new ArenaView(document.getElementById("arena"), (state) => document.body.classList.toggle("has-arena", state === "live"));
+
 const guest = knownName(document.cookie); // of another arena or the entrance
 const who = new Who(guest);
 let entered = false; // the page goes
 let busy = false;
 let tournament = null; // of whoever waits
-let arena = null; // the ArenaView, where there is one
 
 /** Sign up and go to the battle. The reply, also where the page itself says no. */
 async function logIn() {
@@ -66,11 +67,10 @@ async function waitForRobot() {
   const clock = new Worker(document.querySelector("meta[name=second]").content);
   const second = () => new Promise((resolve) => (clock.onmessage = resolve));
   for (;;) {
-    const [session, battle] = await Promise.all([api.session(), api.watchedStatus()].map((asked) => asked.catch(() => null)));
+    const session = await api.session().catch(() => null);
     if (session?.status === "OK") return enter(session);
     if (session?.status === "UNREGISTERED") break;
     if (session) showQueue(session);
-    if (battle) showBattle(fromTopic(battle));
     await second();
   }
   clock.terminate();
@@ -101,7 +101,7 @@ function showQueue(session) {
 
 /** What there is to see meanwhile: who is who in the arena, and who fights. */
 function showBattle(status) {
-  arena?.show(arenaPlayers(status, null));
+  arena.take(status, null);
   tournament?.take(status);
   setText(document.getElementById("queue-battle"), battleText(status));
 }
@@ -193,21 +193,10 @@ document.getElementById("how-to").addEventListener("click", help);
 addEventListener("pagehide", () => call.end()); // a notice would outlive the page
 addEventListener("pageshow", (event) => event.persisted && location.reload()); // back from home: all may have changed
 
-/** The arena's picture behind the page, where there is one; it stays out of sight until it is there. */
-function openArena() {
-  const url = arenaAddress();
-  if (!url) return;
-  arena = new ArenaView({
-    frame: document.getElementById("arena"),
-    url,
-    onState: (arena) => document.body.classList.toggle("has-arena", arena === "live"),
-  });
-}
-
 if (guest?.plays) playOnce(document.querySelector("meta[name=domain]")?.content);
 connectPreferences();
 connectAsking(document.getElementById("tell"), document.getElementById("told"));
 speaker.listen(window);
-openArena();
+new StatusFeed({ url: socketAddress("rosbridge"), onStatus: showBattle, onState: () => {}, topics: arena.topics }).start();
 showRobots();
 offerRestore();

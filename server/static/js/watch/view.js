@@ -156,11 +156,11 @@ export function showConnection(state) {
   setText(banner, banner.hidden ? "" : t("watch.lost"));
 }
 
-/** What is wrong with the arena's picture, in its place. @param {import("../common/arena_view.js").ArenaState} state */
+/** What is wrong with the arena's picture, over it. @param {import("../arena/presence.js").ArenaState} state */
 export function showArena(state) {
   const note = byId("arena-note");
-  note.hidden = state === "live";
-  setText(note, note.hidden ? "" : t(`watch.arena_${state}`));
+  note.hidden = state !== "lost";
+  setText(note, note.hidden ? "" : t("watch.arena_lost"));
 }
 
 /** Said by screen readers. */

@@ -28,16 +28,14 @@ export function camerasOf(users, chosen) {
 
 /** The choice in #view-choice, and the camera in #camera. */
 export class ViewChoice {
-  #hasArena;
+  #hasArena = true; // until it is known that there is none
   #robot = null;
   #users = [];
   #offered = ""; // what the choice is made of
   #picture = null; // made when a camera is chosen for the first time, as the connection is
   #camera = null;
 
-  /** @param {boolean} hasArena */
-  constructor(hasArena) {
-    this.#hasArena = hasArena;
+  constructor() {
     const choice = byId("view-choice");
     choice.addEventListener("change", () => {
       history.replaceState(null, "", choice.value === "" ? location.pathname : `#robot${choice.value}`);
@@ -45,6 +43,13 @@ export class ViewChoice {
     });
     addEventListener("hashchange", () => this.#choose(robotOf(location.hash)));
     this.#choose(robotOf(location.hash));
+  }
+
+  /** Whether the stage has a picture of the arena. @param {boolean} has */
+  takeArena(has) {
+    this.#hasArena = has;
+    this.#offer();
+    this.#lay();
   }
 
   /** Who plays now. @param {{name: string, robot: number}[]} users */
@@ -56,11 +61,15 @@ export class ViewChoice {
   #choose(robot) {
     this.#robot = robot;
     this.#offer();
-    byId("stage").dataset.view = robot === null ? "arena" : "camera";
-    document.body.dataset.arena = this.#hasArena || robot !== null ? "yes" : "no";
+    this.#lay();
     this.#picture?.clear();
     if (robot !== null && !this.#camera) this.#open();
     this.#camera?.watch(robot);
+  }
+
+  #lay() {
+    byId("stage").dataset.view = this.#robot === null ? "arena" : "camera";
+    document.body.dataset.arena = this.#hasArena || this.#robot !== null ? "yes" : "no";
   }
 
   #open() {
@@ -76,7 +85,7 @@ export class ViewChoice {
   #offer() {
     const cameras = camerasOf(this.#users, this.#robot);
     const choice = byId("view-choice");
-    const offered = JSON.stringify(cameras);
+    const offered = JSON.stringify([cameras, this.#hasArena]);
     if (offered !== this.#offered) {
       this.#offered = offered;
       choice.replaceChildren(

@@ -1,11 +1,10 @@
 // The page for spectators: a screen in the hall, or a phone. Nobody touches it for a whole evening.
 
 import { Audience } from "./audience.js";
-import { arenaAddress, socketAddress } from "../common/addresses.js";
-import { ArenaView } from "../common/arena_view.js";
+import { ArenaView } from "../arena/arena_view.js";
+import { socketAddress } from "../common/addresses.js";
 import { feedEntry, FeedList } from "../battle/feed_words.js";
 import { askLeaders, Leaders, serverDay } from "../results/leaders.js";
-import { arenaPlayers } from "../battle/players.js";
 import { connectPreferences } from "../common/preferences.js";
 import { ScreenSchedule } from "./screen_schedule.js";
 import { HallTournament } from "./tournament.js";
@@ -22,8 +21,11 @@ const setting = (name) => document.querySelector(`meta[name=${name}]`)?.content;
 const feed = new FeedList(byId("feed"));
 const schedule = new ScreenSchedule();
 const leaders = new Leaders(() => askLeaders(serverDay(Date.now(), Number(setting("utc-offset")))));
-const arena = openArena();
-const viewChoice = new ViewChoice(arena !== null);
+const viewChoice = new ViewChoice();
+const arena = new ArenaView(byId("arena"), (state) => {
+  view.showArena(state);
+  viewChoice.takeArena(state !== "none");
+});
 const audience = new Audience();
 const tournament = new HallTournament();
 let status = null;
@@ -37,7 +39,7 @@ function take(current) {
   view.showStatus(current);
   audience.show();
   view.announce(news.filter((change) => ANNOUNCED.has(change.kind)).map((change) => feedEntry(change).text).join(" "));
-  arena?.show(arenaPlayers(current, null));
+  arena.take(current, null);
   viewChoice.take(current.users);
   tournament.take(current);
   look();
@@ -53,19 +55,12 @@ function look() {
   view.showPanel(schedule.panel(performance.now(), shown.length > 0, audience.hasVote));
 }
 
-/** The arena's picture, where there is one: it is on the host that served this page. */
-function openArena() {
-  const url = arenaAddress();
-  if (!url) return null;
-  view.showArena("connecting");
-  return new ArenaView({ frame: byId("arena"), url, onState: view.showArena });
-}
-
 connectPreferences();
 audience.start();
 new StatusFeed({
   url: socketAddress("rosbridge"),
   onStatus: take,
   onState: view.showConnection,
+  topics: arena.topics,
 }).start();
 setInterval(look, TICK);

@@ -4,6 +4,7 @@ export const EMITTER = 0.06; // m ahead of a robot's centre; the wheels are as f
 export const TRACK_SECONDS = 2.5; // that tyre tracks are seen
 const FLASH_SECONDS = 0.6;
 const STEP = 0.008; // m between two points of a track
+const JUMP = 0.5; // m; farther than that a robot has not driven from one picture to the next
 
 /** @typedef {{x: number, y: number, heading: number, hits: number, hitAt: number, wheels: [number, number],
  *   track: {x: number, y: number, time: number}[]}} Remembered `wheels` = how far (m) left and right have rolled */
@@ -27,9 +28,9 @@ export class Memory {
     this.#robots.clear();
   }
 
-  /** From 1 while light falls on the robot down to 0 some time after a hit. */
+  /** From 1 at a hit of the robot down to 0 some time after it. */
   flash(robot, now) {
-    return robot.lit ? 1 : Math.max(0, 1 - (now - this.of(robot).hitAt) / FLASH_SECONDS);
+    return Math.max(0, 1 - (now - this.of(robot).hitAt) / FLASH_SECONDS);
   }
 
   /** Whether there are tracks that fade. */
@@ -43,7 +44,8 @@ export class Memory {
     const turn = Math.atan2(Math.sin(heading - old.heading), Math.cos(heading - old.heading));
     const ahead = (x - old.x) * Math.cos(heading) + (y - old.y) * Math.sin(heading);
     const wheels = [old.wheels[0] + ahead - turn * EMITTER, old.wheels[1] + ahead + turn * EMITTER];
-    const track = old.track.filter((point) => now - point.time < TRACK_SECONDS);
+    const isThere = Math.hypot(x - old.x, y - old.y) < JUMP;
+    const track = isThere ? old.track.filter((point) => now - point.time < TRACK_SECONDS) : [];
     const last = track.at(-1);
     if (!last || Math.hypot(last.x - x, last.y - y) > STEP) track.push({ x, y, time: now });
     const isHit = hits > old.hits;

@@ -12,7 +12,7 @@ export const lifeColour = (life) => (life > 50 ? "#3dffa2" : life > 25 ? "#ffc53
 
 /**
  * Paint a label.
- * @param {import("./players.js").Player} player
+ * @param {import("./roles.js").Player} player
  * @param {{text: string, colour: string, isMe: boolean, avatar: CanvasImageSource|null, scale: number, density: number,
  *   width: number}} look `scale` = CSS px for a metre, `density` = canvas pixels for a CSS px, `width` of the picture (CSS px)
  * @returns {ImageBitmap} in canvas pixels

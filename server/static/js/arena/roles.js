@@ -2,37 +2,38 @@
 
 const BEGINS = ["countdown", "playing"]; // phases at which a player looks for the own robot
 
-/** @typedef {{player: import("./players.js").Player, isMe: boolean, out: boolean}} Role */
+/** @typedef {{name: string, robot: number, avatar: string|null, life: number, out: boolean, ready: boolean,
+ *   colour: string|null}} Player */
+/** @typedef {{me: string|null, phase: string, players: Player[]}} Players `me`: this page's own; null for a spectator */
+/** @typedef {{player: Player, isMe: boolean, out: boolean}} Role */
 
 export class Roles {
   #roles = new Map(); // robot's ID -> Role
   #phase = "";
   #startedAt = -Infinity;
-  #ownWords;
 
-  /** @param {{you: string, hit: string, empty: string}} words unless the page around the arena has others */
+  /** @param {{you: string, hit: string}} words in the picture */
   constructor(words) {
-    this.words = this.#ownWords = words;
+    this.words = words;
     /** Whether anything is known of who plays. */
     this.known = false;
   }
 
   /**
    * Take the newest news.
-   * @param {import("./players.js").Players|null} players null: nobody tells any more
+   * @param {Players} players
    * @param {number} now s
    */
   take(players, now) {
-    this.known = players !== null;
-    this.words = { ...this.#ownWords, ...players?.labels };
-    const phase = players?.phase ?? "";
+    this.known = true;
+    const { me, phase } = players;
     if (phase !== this.#phase && BEGINS.includes(phase)) this.#startedAt = now;
     this.#phase = phase;
-    const roleOf = (player) => ({ player, isMe: player.name === players.me, out: player.out });
-    this.#roles = new Map((players?.players ?? []).map((player) => [player.robot, roleOf(player)]));
+    const roleOf = (player) => ({ player, isMe: player.name === me, out: player.out });
+    this.#roles = new Map(players.players.map((player) => [player.robot, roleOf(player)]));
   }
 
-  /** Who plays a robot of the view. @returns {Role|undefined} */
+  /** Who plays a robot. @returns {Role|undefined} */
   of(robot) {
     return this.#roles.get(robot.id);
   }

@@ -12,7 +12,7 @@ import { Sparks } from "./sparks.js";
 import { Sprites } from "./sprites.js";
 import { Tags } from "./tags.js";
 
-const MARGIN = 0.05; // m around the floor, for the outer walls' glow
+export const MARGIN = 0.05; // m around the floor, for the outer walls' glow
 const DIM = 0.5; // alpha of a robot that nobody plays
 
 /** What is drawn of a robot that nobody is known to play. */
@@ -40,7 +40,7 @@ export class Scene {
     this.#context = canvas.getContext("2d", { alpha: false });
   }
 
-  /** `arena` is the view's first message. */
+  /** Another floor. @param {import("./positions.js").Floor} arena */
   build(arena) {
     this.#arena = arena;
     this.#memory.clear();
@@ -93,26 +93,26 @@ export class Scene {
 
   /**
    * Draw a picture if it would be another one than that on the canvas.
-   * @param {object[]} robots poses of the view
+   * @param {object[]} robots poses, each with `beam` and `hits`
    * @param {import("./roles.js").Roles} roles who plays them
    * @param {{glow: number, smoke: number, sparks: number, tracks: boolean, density: number}} effects
    * @param {boolean} still whoever looks wants no motion that means nothing
    * @param {number} now s
-   * @returns {{isDrawn: boolean, pace: number}} `pace`: pictures a second that are worth drawing while no robot moves
+   * @returns {number} pictures a second that are worth drawing while no robot moves
    */
   show(robots, roles, effects, still, now) {
-    if (!this.#arena || !this.#room.width || !this.#room.height) return { isDrawn: false, pace: REST };
+    if (!this.#arena || !this.#room.width || !this.#room.height) return REST;
     const pace = this.#paceOf(roles, effects, still, now);
     const isOver = pace === REST && this.#pace !== REST; // the picture after the last one of an effect is that without it
     const isDrawn = isOver || isDue(pace, now - this.#drawnAt) || this.#isNews(robots, effects);
     if (isDrawn) this.#draw(robots, roles, effects, still, now);
     this.#pace = isDrawn ? this.#paceOf(roles, effects, still, now) : pace; // a hit may have been drawn
-    return { isDrawn, pace: this.#pace };
+    return this.#pace;
   }
 
   /** What goes on by itself. */
   #paceOf(roles, effects, still, now) {
-    const isLit = this.#drawn?.some((robot) => this.#memory.flash(robot, now) > 0 && !(robot.lit && still));
+    const isLit = this.#drawn?.some((robot) => this.#memory.flash(robot, now) > 0);
     const isCalled = roles.drives && isCalling(roles.sinceStart(now));
     if (isLit || isCalled || this.#sparks.isFlying(now) || this.#tags.isUnfinished) return MOTION;
     const drifts = (roles.smokes && effects.smoke > 0 && !still) || (effects.tracks && this.#memory.hasTracks);
@@ -183,9 +183,9 @@ export class Scene {
     context.globalCompositeOperation = "lighter";
     context.setTransform(1, 0, 0, 1, 0, 0);
     const halo = this.#sprites.halo();
-    for (const { robot, flash, pixels } of shown) {
+    for (const { flash, pixels } of shown) {
       if (flash <= 0) continue;
-      context.globalAlpha = flash * (robot.lit && !still ? 0.85 + 0.15 * Math.sin(now * 60) : 1);
+      context.globalAlpha = flash;
       context.drawImage(halo, pixels.x - halo.width / 2, pixels.y - halo.height / 2);
     }
     context.globalAlpha = 1;

@@ -1,6 +1,6 @@
 // The floor and its walls: painted once for each size of the canvas.
 
-/** Paint the floor of the view's `arena` message; the context is in metres, y up. */
+/** Paint the floor of an arena; the context is in metres, y up. */
 export function paintFloor(context, { width, height, walls }) {
   const light = context.createRadialGradient(width / 2, height / 2, 0, width / 2, height / 2, width * 0.65);
   light.addColorStop(0, "#16213f");

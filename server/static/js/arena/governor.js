@@ -11,7 +11,6 @@ export const LEVELS = [
   { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, pictures: 30 },
   { glow: 1, smoke: 0, sparks: 0, tracks: false, density: 1, pictures: 15 },
 ];
-const REDUCED = 2; // the level of visitors who want few effects
 
 const SLOW = 20.5; // ms that pictures are waited for, on average; a screen of 50 Hz is not slow
 const WINDOW = 1000; // ms that are judged together
@@ -20,7 +19,6 @@ const PATIENCE = 10_000; // ms in time before one level up is tried
 const MOST_PATIENCE = 320_000; // it doubles with each try that was too much
 
 export class Governor {
-  #mode = "auto";
   #level = 0;
   #start = null; // of the window
   #waited = 0; // ms, for the pictures of the window
@@ -31,17 +29,11 @@ export class Governor {
 
   /** The number of the level, 0 = all effects. */
   get level() {
-    if (this.#mode === "full") return 0;
-    return this.#mode === "reduced" ? Math.max(REDUCED, this.#level) : this.#level;
+    return this.#level;
   }
 
   get effects() {
     return LEVELS[this.level];
-  }
-
-  /** @param {"full"|"reduced"|"auto"} mode */
-  set mode(mode) {
-    this.#mode = mode;
   }
 
   /** The screen is asked for nothing for a while: that it shows nothing is not slow. */

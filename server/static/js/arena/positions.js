@@ -1,0 +1,31 @@
+// What a message of /positions says: strangers' data until it has been looked at. Pure.
+
+import { DIMENSIONS } from "./dimensions.js";
+
+const MOST_ROBOTS = 128; // as many IDs as there are
+const MOST_WALLS = 1000;
+
+/** @typedef {{id: number, name: string, x: number, y: number, heading: number}} Pose in m and rad; `name` is nobody else's */
+/** @typedef {{width: number, height: number, walls: number[][], robot_radius: number, beam_range: number,
+ *   beam_half_angle: number}} Floor */
+
+/**
+ * The floor and the robots of a laser_bot_battle/Positions; null if it has no floor. Poses that are no places, and all
+ * but the first of a robot, are left out.
+ * @returns {{floor: Floor, robots: Pose[]}|null}
+ */
+export function readPositions({ width, height, walls, robots }) {
+  if (!(width > 0 && height > 0)) return null;
+  const poses = new Map();
+  for (const { robot, x, y, heading } of robots.slice(0, MOST_ROBOTS)) {
+    const isPlace = [x, y, heading].every(Number.isFinite); // rosbridge sends null for what is no number
+    if (isPlace && !poses.has(robot)) poses.set(robot, { id: robot, name: `Robot${robot}`, x, y, heading });
+  }
+  return { floor: { width, height, walls: quartets(walls), ...DIMENSIONS }, robots: [...poses.values()] };
+}
+
+/** Ends of walls, four numbers each; what is left of an incomplete one is nothing. */
+function quartets(ends) {
+  const count = Math.min(MOST_WALLS, Math.floor(ends.length / 4));
+  return Array.from({ length: count }, (_, n) => ends.slice(4 * n, 4 * n + 4)).filter((wall) => wall.every(Number.isFinite));
+}
