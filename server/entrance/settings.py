@@ -38,10 +38,9 @@ class Settings:
     proxies: tuple[Network, ...]
     database: URL  # for the results
     log_level: str
-    # its pages open no WebSocket and show no arena
+    # its pages open no WebSocket
     rosbridge_port: int = 0
     relay_port: int = 0
-    view_port: int | None = None
 
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:

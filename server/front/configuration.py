@@ -34,12 +34,10 @@ def configuration(settings: FrontSettings, folder: Path, is_root: bool) -> str:
         files_at_once=FILES_AT_ONCE,
         waiting=WAITING,
         host=_here(settings),
-        view_host=_bracketed(settings.view_host) if settings.view_host else _here(settings),
         ports={
             "web": settings.web_port,
             "rosbridge": settings.rosbridge_port,
             "relay": settings.relay_port,
-            "view": settings.view_port,
         },
         servers=_servers(settings),
         certificate=settings.certificate,

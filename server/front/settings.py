@@ -16,8 +16,6 @@ VARIABLES = (
     variables.WEB,
     variables.ROSBRIDGE,
     variables.RELAY,
-    variables.VIEW,
-    variables.VIEW_HOST,
     variables.LOG_LEVEL,
     variables.LOG_FORMAT,
     variables.ALIVE_FILE,
@@ -39,7 +37,7 @@ class Certificate:
 
 @dataclass(frozen=True)
 class FrontSettings:
-    """Where visitors come, and where the programs are that answer them, on this machine but for the arena."""
+    """Where visitors come, and where the programs are that answer them, on this machine."""
 
     bind: str
     http_port: int
@@ -48,8 +46,6 @@ class FrontSettings:
     web_port: int
     rosbridge_port: int
     relay_port: int
-    view_port: int | None
-    view_host: str  # empty: this machine
     log_level: str
 
     @classmethod
@@ -63,8 +59,6 @@ class FrontSettings:
             web_port=variables.WEB.read(environ),
             rosbridge_port=variables.ROSBRIDGE.read(environ),
             relay_port=variables.RELAY.read(environ),
-            view_port=variables.VIEW.read(environ),
-            view_host=variables.VIEW_HOST.read(environ),
             log_level=variables.LOG_LEVEL.read(environ),
         )
 

@@ -64,7 +64,6 @@ def create_base(settings: PageSettings, *routes: Blueprint) -> Flask:
             "front": FRONT_HEADER in request.headers,
             "rosbridge_port": settings.rosbridge_port,
             "relay_port": settings.relay_port,
-            "view_port": settings.view_port,
             "domain": settings.domain,
         }
 
@@ -129,8 +128,8 @@ def create_base(settings: PageSettings, *routes: Blueprint) -> Flask:
 
 
 def _page_policy(settings: PageSettings, host: str) -> str:
-    """What a page may do: open WebSockets to rosbridge and the cameras' relay, and show the arena's view, on the host
-    that it came from, or at the one address that the front has for all. A proxy may not tell which that is."""
+    """What a page may do: open WebSockets to rosbridge and the cameras' relay on the host that it came from, or at the
+    one address that the front has for all. A proxy may not tell which that is."""
     hosts = [host, *(origin.partition("://")[2] for origin in settings.origins)]
     names = list(dict.fromkeys(policy_source(host) for host in hosts))
     ports = [port for port in (settings.rosbridge_port, settings.relay_port) if port]
@@ -138,11 +137,8 @@ def _page_policy(settings: PageSettings, host: str) -> str:
     if ports and FRONT_HEADER in request.headers:
         sources = [name + port for name, port in names]  # older browsers' 'self' has no WebSockets
     sockets = [f"{scheme}://{source}" for source in dict.fromkeys(sources) for scheme in ("ws", "wss")]
-    views = [f"{scheme}://{name}:{settings.view_port}" for name, _ in names for scheme in ("http", "https")]
-    shown = "'self'" if FRONT_HEADER in request.headers else " ".join(dict.fromkeys(views))
-    frames = shown if settings.view_port else "'none'"
     return (
-        f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-src {frames}; "
+        f"default-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; frame-src 'none'; "
         f"connect-src 'self' {' '.join(sockets)}; "
         "object-src 'none'; base-uri 'self'; form-action 'self'; frame-ancestors 'self'"
     )

@@ -22,7 +22,6 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.WEB,
     variables.ROSBRIDGE,
     variables.RELAY,
-    variables.VIEW,
     variables.ORIGINS,
     variables.DOMAIN,
     variables.PROXIES,
@@ -51,8 +50,6 @@ class PageSettings(Protocol):
     @property
     def relay_port(self) -> int: ...
     @property
-    def view_port(self) -> int | None: ...
-    @property
     def origins(self) -> tuple[str, ...]: ...
     @property
     def domain(self) -> str: ...
@@ -67,7 +64,6 @@ class Settings:
     program: ProgramSettings
     rosbridge_port: int
     relay_port: int  # of the cameras' pictures
-    view_port: int | None  # of an arena's view, on the host that serves the page; None: there is none to show
     origins: tuple[str, ...]  # further addresses of the pages
     domain: str  # of arenas that share their players' sessions; "": this one shares nothing
     proxies: tuple[Network, ...]
@@ -89,7 +85,6 @@ class Settings:
             program=ProgramSettings.from_env(environ, variables.WEB),
             rosbridge_port=variables.ROSBRIDGE.read(environ),
             relay_port=variables.RELAY.read(environ),
-            view_port=variables.VIEW.read(environ),
             origins=variables.ORIGINS.read(environ),
             domain=variables.DOMAIN.read(environ),
             proxies=believed(environ),

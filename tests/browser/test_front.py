@@ -44,7 +44,6 @@ class Front:
             "LASERBOT_BIND": "127.0.0.1",
             "LASERBOT_HTTP_PORT": str(self.http_port),
             "LASERBOT_HTTPS_PORT": str(self.https_port),
-            "LASERBOT_VIEW_PORT": str(battle.arena_port),
             **{
                 name: battle.ports[name]
                 for name in ("LASERBOT_WEB_PORT", "LASERBOT_ROSBRIDGE_PORT", "LASERBOT_RELAY_PORT")
@@ -56,7 +55,7 @@ class Front:
         self.relay_port = port
         self.web = f"{scheme}://localhost:{port}"
         self.bridge = f"{'wss' if tls else 'ws'}://localhost:{port}/rosbridge"
-        self.view = f"{'wss' if tls else 'ws'}://localhost:{port}/arena/view"
+        self.view = battle.view
 
     def __enter__(self) -> "Front":
         self.program = Program.python("server.front", env={name: str(value) for name, value in self.env.items()})

@@ -67,7 +67,6 @@ def test_a_person_plays_against_the_bot_to_the_end(battle: ClusterBattle) -> Non
     with Player(battle, "Ann") as ann, Eyes(battle) as eyes:
         page = ann.http.get(f"{battle.web}/home", timeout=5).text
         assert f'name="rosbridge-port" content="{battle.rosbridge_port}"' in page
-        assert f'name="view-port" content="{battle.arena_port}"' in page
         assert {robot["name"]: robot["id"] for robot in eyes.robots().values()} == {"robot-0": 0, "robot-1": 1}
         assert ann.ready() == "OK"
         ann.wait_for_game(PLAYING, 30)
@@ -87,9 +86,9 @@ class OneAddress(NamedTuple):
 
 def test_the_front_is_the_one_address_of_it_all(battle: ClusterBattle) -> None:
     host = f"127.0.0.1:{battle.node_ports['http']}"
-    place = OneAddress(f"http://{host}", f"ws://{host}/rosbridge", f"ws://{host}/arena/view")
+    place = OneAddress(f"http://{host}", f"ws://{host}/rosbridge", battle.view)
     with Player(place, "Cleo") as cleo, Eyes(place) as eyes:
-        until(lambda: cleo.user().get("robot") in eyes.robots(), 10, "rosbridge and the arena answer there")
+        until(lambda: cleo.user().get("robot") in eyes.robots(), 10, "rosbridge answers there")
 
 
 def test_a_secret_gives_the_front_tls_from_its_next_start_on(battle: ClusterBattle) -> None:

@@ -119,7 +119,7 @@ def test_what_a_program_takes_the_policy_takes(variable: Any) -> None:
 
 def test_only_what_takes_any_text_or_is_too_much_for_a_pattern_is_left_to_the_programs() -> None:
     left = {variable.name for variable in LASERBOT if not pattern(variable)}
-    assert {"LASERBOT_HIT_DAMAGE", "LASERBOT_ROSTER", "LASERBOT_VIEW_PORT", "LASERBOT_LOG_LEVEL"}.isdisjoint(left)
+    assert {"LASERBOT_HIT_DAMAGE", "LASERBOT_ROSTER", "LASERBOT_ARENA_PORT", "LASERBOT_LOG_LEVEL"}.isdisjoint(left)
 
 
 # each overlay, and each component at least once

@@ -13,7 +13,6 @@ from tests.support.manifests import Kubelet, Manifests, Object, overlay
 from tests.support.program_settings import ProgramSettings
 
 README = kubernetes_pages()
-ARENA = "10.43.0.2"
 
 
 def pod_of(manifests: Manifests) -> Object:
@@ -26,7 +25,7 @@ def container_of(manifests: Manifests, name: str) -> Object:
 
 
 def environment_of(manifests: Manifests, name: str) -> dict[str, str]:
-    kubelet = Kubelet(manifests, pod_of(manifests), {"status.podIP": "10.42.0.7"}, {"arena": ARENA})
+    kubelet = Kubelet(manifests, pod_of(manifests), {"status.podIP": "10.42.0.7"}, {})
     return kubelet.environment(container_of(manifests, name))
 
 
@@ -54,15 +53,6 @@ def test_the_front_finds_the_programs_of_its_pod(manifests: Manifests) -> None:
     found = {"web": told.web_port, "rosbridge": told.rosbridge_port, "camera-relay": told.relay_port}
     for name, number in found.items():
         assert [port["containerPort"] for port in container_of(manifests, name)["ports"]] == [number]
-
-
-def test_the_front_finds_a_virtual_arena_and_no_other() -> None:
-    (view,) = [
-        port["port"] for port in overlay("sim").one("Service", "arena")["spec"]["ports"] if port["name"] == "view"
-    ]
-    told = settings_of(overlay("sim+front").within("laserbot"))
-    assert (told.view_host, told.view_port) == (ARENA, view)
-    assert settings_of(overlay("lan+front").within("laserbot")).view_port is None
 
 
 def test_the_secret_of_kubectl_is_a_certificate_to_the_front_and_may_be_missing(
@@ -100,4 +90,4 @@ def test_a_real_name_is_one_of_the_games_to_all_programs(customize: Customize) -
 def test_each_arena_can_have_a_front_of_its_own(customize: Customize) -> None:
     manifests = customize("arenas/made/red", "front", namespace="laserbot-red")
     assert {item["metadata"].get("namespace", "laserbot-red") for item in manifests.objects} == {"laserbot-red"}
-    assert settings_of(manifests).view_host == ARENA
+    assert settings_of(manifests).https_port == 8443

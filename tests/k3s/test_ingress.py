@@ -41,16 +41,14 @@ def test_each_path_leads_to_its_program_as_at_the_front(manifests: Manifests) ->
         "PathPrefix(`/`)": ("master", "web"),
         "Path(`/rosbridge`)": ("master", "rosbridge"),
         "Path(`/camera`)": ("master", "relay"),
-        "PathPrefix(`/arena/`) && !PathPrefix(`/arena/eyes/`)": ("arena", "view"),
     }
     services = {match: rule["services"][0] for match, rule in found.items()}
     assert {match: (to["name"], to["port"]) for match, to in services.items()} == programs
     paths = {path for match in found for path in re.findall(r"`(/\w*/?)`", match)}
-    assert paths == set(re.findall(r"location (?:= )?(/(?:rosbridge|camera|arena/)?) {\n", FRONT))
+    assert paths == set(re.findall(r"location (?:= )?(/(?:rosbridge|camera)?) {\n", FRONT))
     ports = {item["metadata"]["name"]: item["spec"].get("ports") for item in manifests.of("Service")}
     for name, port in programs.values():
-        if name in ports:  # a real arena has no view
-            assert port in {each["name"] for each in ports[name]}
+        assert port in {each["name"] for each in ports[name]}
 
 
 def test_the_programs_are_told_that_there_is_a_front_and_get_their_own_paths(manifests: Manifests) -> None:
@@ -84,16 +82,6 @@ def test_the_programs_believe_traefik_and_know_the_real_name(customize: Customiz
         if container["name"] not in {"ros-master", "rosout"}:
             assert is_proxy("10.42.3.4", settings.proxies)
             assert settings.origins == ("https://arena.example",)
-
-
-def test_a_virtual_arena_believes_the_proxy_before_it(customize: Customize) -> None:
-    """Or all viewers would share the places of one address."""
-    for component in ("ingress", "front"):
-        manifests = customize("sim", component)
-        pod = manifests.one("Deployment", "arena")["spec"]["template"]["spec"]
-        kubelet, (container,) = Kubelet(manifests, pod, {}, {}), pod["containers"]
-        settings: Any = ProgramSettings(kubelet.command(container), kubelet.environment(container)).settings
-        assert is_proxy("10.42.3.4", settings.proxies)
 
 
 def test_all_but_traefiks_own_fits_the_schemas(manifests: Manifests) -> None:

@@ -96,11 +96,7 @@ def test_the_page_is_told_the_ports_of_the_nodes() -> None:
             (web,) = [container for _, container in here.containers if container["name"] == "web"]
             told = ProgramSettings(web["command"], settings.get("data", {})).settings
             assert told is not None
-            assert (told.rosbridge_port, told.relay_port, told.view_port) == (
-                node_ports["rosbridge"],
-                node_ports["relay"],
-                node_ports["view"],
-            )
+            assert (told.rosbridge_port, told.relay_port) == (node_ports["rosbridge"], node_ports["relay"])
 
 
 def test_visitors_keep_their_addresses_at_the_node_that_people_name() -> None:
@@ -110,7 +106,7 @@ def test_visitors_keep_their_addresses_at_the_node_that_people_name() -> None:
             open_to_people = [each for each in here.of("Service") if each["spec"].get("type") == "NodePort"]
             assert {each["metadata"]["name"] for each in open_to_people} == {"players", "spectators"}
             assert all(each["spec"]["externalTrafficPolicy"] == "Local" for each in open_to_people)
-            # a page finds the arena's view at its own host, so both pods are drawn to one node, and to the labelled one
+            # the arena's own page is at the same host, so both pods are drawn to one node, and to the labelled one
             for pod, other in (("master", "arena"), ("arena", "master")):
                 affinity = here.one("Deployment", pod)["spec"]["template"]["spec"]["affinity"]
                 (near,) = affinity["podAffinity"]["preferredDuringSchedulingIgnoredDuringExecution"]
@@ -154,7 +150,6 @@ def test_on_a_lan_pages_and_nodes_have_the_hosts_addresses() -> None:
     told = ProgramSettings(web["command"], settings.get("data", {})).settings
     assert told is not None
     assert told.rosbridge_port == rosbridge["ports"][0]["containerPort"]
-    assert told.view_port is None
 
 
 @every_namespace

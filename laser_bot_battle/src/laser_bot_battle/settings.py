@@ -71,10 +71,6 @@ def port(name: str, default: int, text: str) -> Variable[int]:
     return whole(name, default, 1, 65535, text)
 
 
-def optional_port(name: str, text: str, shown: str) -> Variable[int | None]:
-    return Variable(name, None, text, _whole(1, 65535), shown, lowest=1, highest=65535)
-
-
 def flag(name: str, text: str, *, default: bool = False) -> Variable[bool]:
     """0 or 1."""
 

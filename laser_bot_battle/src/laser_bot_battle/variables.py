@@ -32,7 +32,6 @@ from laser_bot_battle.settings import (
     flag,
     globs,
     number,
-    optional_port,
     port,
     whole,
     words,
@@ -189,17 +188,6 @@ RELAY_VIEWERS = whole(
 RELAY_RATE = whole(
     "LASERBOT_RELAY_RATE", 200, 1, 10_000, "Mbit/s of all pictures together; beyond it spectators get fewer of them"
 )
-VIEW = optional_port(
-    "LASERBOT_VIEW_PORT",
-    "port on the master where the player's page finds a view of the arena to show",
-    "none (demo: the arena's)",
-)
-VIEW_HOST = words(
-    "LASERBOT_VIEW_HOST",
-    "",
-    "address of that view, if it is not on the machine of [the front](front.md); not with compose",
-    "the front's own",
-)
 ORIGINS: Variable[tuple[str, ...]] = Variable(
     "LASERBOT_ORIGINS",
     (),
@@ -235,7 +223,7 @@ PROXIES: Variable[tuple[IPv4Network | IPv6Network, ...]] = Variable(
     "none",
 )
 ROS = port("LASERBOT_ROS_PORT", ROS_PORT, "the ROS master that `make demo` starts; not with compose")
-ARENA = port("LASERBOT_ARENA_PORT", 8080, "the arena's view")
+ARENA = port("LASERBOT_ARENA_PORT", 8080, "the virtual arena's own page, for developers")
 ARENA_LINK = port("LASERBOT_ARENA_LINK_PORT", 8081, "the virtual robots' link to the arena; not with compose")
 FLOOR: Variable[str] = Variable(
     "LASERBOT_FLOOR",

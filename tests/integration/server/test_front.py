@@ -1,4 +1,4 @@
-"""nginx as the front runs it, where what leads to it has other ports, and where the arena is another machine's."""
+"""nginx as the front runs it, where what leads to it has other ports."""
 
 import re
 import socket
@@ -92,43 +92,25 @@ def test_an_address_that_is_none_is_one_clear_line() -> None:
 def test_what_a_visitor_says_of_proxies_is_not_passed_on() -> None:
     heard: list[dict[str, str]] = []
 
-    class Arena(BaseHTTPRequestHandler):
+    class Web(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
             heard.append(dict(self.headers))
             self.send_response(HTTPStatus.NO_CONTENT)
             self.end_headers()
 
     said = {"X-Forwarded-Host": "forged.example", "X-Forwarded-Proto": "https", "X-Forwarded-For": "9.9.9.9"}
-    with HTTPServer(("127.0.0.1", 0), Arena) as arena:
-        thread = threading.Thread(target=arena.serve_forever)
+    with HTTPServer(("127.0.0.1", 0), Web) as web:
+        thread = threading.Thread(target=web.serve_forever)
         thread.start()
         try:
-            with front(LASERBOT_VIEW_PORT=str(arena.server_port)) as address:
+            with front(LASERBOT_WEB_PORT=str(web.server_port)) as address:
                 port = address.rpartition(":")[2]
-                requests.get(f"http://[::1]:{port}/arena/", headers=said, timeout=5)
+                requests.get(f"http://[::1]:{port}/", headers=said, timeout=5)
         finally:
-            arena.shutdown()
+            web.shutdown()
             thread.join()
     told = {name: heard[0][name] for name in said}
     assert told == {"X-Forwarded-Host": f"[::1]:{port}", "X-Forwarded-Proto": "http", "X-Forwarded-For": "::1"}
-
-
-def test_the_arena_may_be_another_machines() -> None:
-    class Arena(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            self.send_response(HTTPStatus.OK)
-            self.end_headers()
-            self.wfile.write(f"the arena's {self.path}".encode())
-
-    with HTTPServer(("127.0.0.2", 0), Arena) as arena:
-        thread = threading.Thread(target=arena.serve_forever)
-        thread.start()
-        try:
-            with front(LASERBOT_VIEW_HOST="127.0.0.2", LASERBOT_VIEW_PORT=str(arena.server_port)) as address:
-                assert requests.get(f"{address}/arena/view", timeout=5).text == "the arena's /view"
-        finally:
-            arena.shutdown()
-            thread.join()
 
 
 @pytest.mark.slow
@@ -141,23 +123,23 @@ def test_one_address_cannot_have_all_connections() -> None:
             held.append(self.headers["X-Forwarded-For"])
             done.wait(60)
 
-    with ThreadingHTTPServer(("127.0.0.1", 0), Slow) as arena, ExitStack() as calls:
-        calls.callback(arena.shutdown)
+    with ThreadingHTTPServer(("127.0.0.1", 0), Slow) as web, ExitStack() as calls:
+        calls.callback(web.shutdown)
         calls.callback(done.set)
-        threading.Thread(target=arena.serve_forever).start()
-        url = calls.enter_context(front(LASERBOT_VIEW_PORT=str(arena.server_port)))
+        threading.Thread(target=web.serve_forever).start()
+        url = calls.enter_context(front(LASERBOT_WEB_PORT=str(web.server_port)))
 
         def call(own_address: str) -> None:
             where = ("127.0.0.1", int(url.rpartition(":")[2]))
             caller = calls.enter_context(socket.create_connection(where, 5, (own_address, 0)))
-            caller.sendall(b"GET /arena/view HTTP/1.1\r\nHost: arena\r\n\r\n")
+            caller.sendall(b"GET /home HTTP/1.1\r\nHost: arena\r\n\r\n")
 
         def full() -> bool:
             call("127.0.0.1")  # one that comes too fast is refused, and does not count
             return len(held) >= CONNECTIONS
 
         until(full, 30, "the address has all that it may have")
-        until(lambda: requests.get(f"{url}/arena/view", timeout=5).status_code == HTTPStatus.SERVICE_UNAVAILABLE, 5)
+        until(lambda: requests.get(f"{url}/home", timeout=5).status_code == HTTPStatus.SERVICE_UNAVAILABLE, 5)
         call("127.0.0.3")
         until(lambda: held[-1] == "127.0.0.3", 5, "another address has room")
         assert held[:-1] == ["127.0.0.1"] * CONNECTIONS

@@ -28,7 +28,7 @@ def snippet(language: str) -> str:
 
 
 class Master:
-    """All programs of the master and an arena, at their usual ports of a machine of their own."""
+    """All programs of the master, at their usual ports of a machine of their own."""
 
     def __init__(self, machine: Machine, folder: Path) -> None:
         self.machine = machine
@@ -44,7 +44,6 @@ class Master:
             "server.main": "serving the game",
             "server.rosbridge": "listening",
             "server.camera": "listening",
-            "sim.arena": "robots connect",
         }
         self.programs = {"server.ros.master": self._start("server.ros.master")}
         self.programs.update({module: self._start(module) for module in ready})
@@ -130,7 +129,7 @@ def test_a_visitor_of_the_proxy_plays_as_at_the_front(
         before = rosbridge.output.count(OTHER_SITE)
         own = master.visited_from(OWN, proxy.__name__)
         assert FOREIGN_PAGE not in str(own.pop("camera"))
-        shown = {"address": True, "front": True, "eyes": 404, "floor": 200, "rosbridge": "publish", "arena": "arena"}
+        shown = {"address": True, "front": True, "rosbridge": "publish"}
         assert own == {"form": 200, "cookie": True, **shown}
         assert rosbridge.output.count(OTHER_SITE) == before
         foreign = master.visited_from(FOREIGN, "evil")
@@ -153,7 +152,7 @@ def test_traefik_is_told_the_same_as_on_kubernetes() -> None:
         )
         for router in told["routers"].values()
     }
-    ports = {"web": 5000, "rosbridge": 9090, "relay": 9091, "view": 8080}
+    ports = {"web": 5000, "rosbridge": 9090, "relay": 9091}
     routes = list(yaml.safe_load_all((ROOT / "k3s/components/ingress/routes.yaml").read_text()))
     middlewares = {item["metadata"]["name"]: item["spec"] for item in routes if item["kind"] == "Middleware"}
     expected = {

@@ -1,6 +1,6 @@
 """A visitor's browser at the proxy on this machine: `python3 -m tests.integration.server.visitor ORIGIN NAME`.
 
-Prints as JSON what it has found there, with a form, a page and the three WebSockets of a page of ORIGIN; NAME is the
+Prints as JSON what it has found there, with a form, a page and the two WebSockets of a page of ORIGIN; NAME is the
 player's.
 """
 
@@ -27,18 +27,13 @@ def main() -> None:
             f"http://{PROXY}/signUpUser", {"data": name, "wait": "1"}, headers={"Origin": origin}, timeout=9
         )
         screen = http.get(f"http://{PROXY}/watch", timeout=9).text
-        eyes = http.get(f"http://{PROXY}/arena/eyes/virtual0/snapshot", timeout=9)
-        floor = http.get(f"http://{PROXY}/arena/", timeout=9)
     found = {
         "form": form.status_code,
         "cookie": "laserbot_session" in form.cookies,
         "address": f">{NAME}</a>" in screen,
         "front": '<meta name="front"' in screen,
-        "eyes": eyes.status_code,
-        "floor": floor.status_code,
         "rosbridge": talk(origin, "/rosbridge", op="subscribe", topic="/game_status")["op"],
         "camera": talk(origin, "/camera", op="watch", robot=0).get("reason", ""),
-        "arena": talk(origin, "/arena/view")["type"],
     }
     print(json.dumps(found))
 
@@ -47,8 +42,7 @@ def talk(origin: str, path: str, **request: object) -> dict[str, Any]:
     """What is answered to the request; the sub-protocol that is offered is the one that is spoken."""
     with opened(origin, path) as talking:
         assert talking.subprotocol == "any", path
-        if request:
-            talking.send(json.dumps(request))
+        talking.send(json.dumps(request))
         answer: dict[str, Any] = json.loads(talking.recv(10))
         return answer
 

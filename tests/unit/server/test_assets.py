@@ -116,24 +116,19 @@ def test_anything_else_is_not_found(browser, path):
     ],
 )
 def test_a_page_may_connect_to_its_own_host_only(host, name):
-    browser = browser_of(LASERBOT_ROSBRIDGE_PORT="9123", LASERBOT_RELAY_PORT="9124", LASERBOT_VIEW_PORT="8123")
+    browser = browser_of(LASERBOT_ROSBRIDGE_PORT="9123", LASERBOT_RELAY_PORT="9124")
     policy = policy_of(browser.get("/home", headers={"Host": host}))
     sockets = [f"{scheme}://{name}:{port}" for port in (9123, 9124) for scheme in ("ws", "wss")]
     assert policy["connect-src"] == ["'self'", *sockets]
-    assert policy["frame-src"] == [f"http://{name}:8123", f"https://{name}:8123"]
+    assert policy["frame-src"] == ["'none'"]
     assert policy["default-src"] == ["'self'"]
     assert "'unsafe-inline'" not in policy.get("script-src", [])
 
 
-def test_without_a_view_of_the_arena_nothing_is_framed(browser):
-    assert policy_of(browser.get("/home"))["frame-src"] == ["'none'"]
-
-
 def test_behind_the_front_everything_is_at_the_pages_own_address() -> None:
-    browser = browser_of(LASERBOT_VIEW_PORT="8123")
+    browser = browser_of()
     policy = policy_of(browser.get("/home", headers={"Host": "arena.local:8080", "X-Laserbot-Front": "yes"}))
     assert policy["connect-src"] == ["'self'", "ws://arena.local:8080", "wss://arena.local:8080"]
-    assert policy["frame-src"] == ["'self'"]
 
 
 def policy_of(response) -> dict[str, list[str]]:

@@ -118,7 +118,7 @@ def test_a_page_finds_its_programs_where_the_visitor_is() -> None:
 
 
 def test_a_page_may_be_at_each_address_that_the_operator_names() -> None:
-    browser = browser_of(LASERBOT_ORIGINS="https://arena.example http://127.0.0.1:5000", LASERBOT_VIEW_PORT="8080")
+    browser = browser_of(LASERBOT_ORIGINS="https://arena.example http://127.0.0.1:5000")
     here = "ws://127.0.0.1:9090 wss://127.0.0.1:9090 ws://127.0.0.1:9091 wss://127.0.0.1:9091"
     assert policy(browser) == f"{here} {here.replace('127.0.0.1', 'arena.example')}"
     front = policy(browser, X_Laserbot_Front="yes")

@@ -11,7 +11,6 @@ from server.web.settings import Settings
 def test_the_defaults_are_the_manuals() -> None:
     settings = Settings.from_env({"HOME": "/home/op"})
     assert (settings.program.bind, settings.program.port, settings.rosbridge_port) == ("0.0.0.0", 5000, 9090)
-    assert settings.view_port is None
     assert settings.program.master_uri == "http://localhost:11311"
     assert settings.data.is_absolute()
     assert settings.data.parts[-3:] == (".local", "share", "laserbot")
@@ -30,7 +29,7 @@ def test_every_variable_is_read() -> None:
             "LASERBOT_BIND": "127.0.0.1",
             "LASERBOT_WEB_PORT": "80",
             "LASERBOT_ROSBRIDGE_PORT": "91",
-            "LASERBOT_VIEW_PORT": "92",
+            "LASERBOT_RELAY_PORT": "92",
             "LASERBOT_HIT_DAMAGE": "25",
             "LASERBOT_COUNTDOWN": "0.5",
             "LASERBOT_BATTLE_LIMIT": "60",
@@ -50,7 +49,7 @@ def test_every_variable_is_read() -> None:
         "debug",
         "http://master:1",
     )
-    assert (settings.rosbridge_port, settings.view_port) == (91, 92)
+    assert (settings.rosbridge_port, settings.relay_port) == (91, 92)
     assert (settings.data, settings.roster) == (Path("/data"), {"/id_service_client_pi": 3})
     assert (rules.hit_damage, rules.countdown, rules.battle_limit, rules.player_timeout) == (25, 0.5, 60, 30)
     assert (rules.seats, settings.operator_token) == (4, "the operators' token")

@@ -52,7 +52,6 @@ def test_all_mistakes_are_told_in_one_go() -> None:
 
 BAD = {
     "LASERBOT_WEB_PORT": "65536",
-    "LASERBOT_VIEW_PORT": "none",
     "LASERBOT_COUNTDOWN": "soon",
     "LASERBOT_FRIENDLY_FIRE": "yes",
     "LASERBOT_LIGHT": "red",

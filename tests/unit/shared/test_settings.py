@@ -15,7 +15,6 @@ def test_an_unset_or_empty_variable_means_the_default() -> None:
         assert variables.BIND.read(environ) == "0.0.0.0"
         assert variables.WEB.read(environ) == 5000
         assert variables.WEB.read(environ, 80) == 80
-        assert variables.VIEW.read(environ) is None
         assert variables.LED.read(environ) == 18
         assert variables.LOG_LEVEL.read(environ) == "info"
         assert variables.SERIAL.read(environ) == ("/dev/laserbot", "/dev/ttyACM0", "/dev/ttyUSB0")
@@ -25,7 +24,6 @@ def test_an_unset_or_empty_variable_means_the_default() -> None:
     ("name", "text", "value"),
     [
         ("LASERBOT_WEB_PORT", "80", 80),
-        ("LASERBOT_VIEW_PORT", "92", 92),
         ("LASERBOT_COUNTDOWN", "0.5", 0.5),
         ("LASERBOT_DATA", "/data", Path("/data")),
         ("LASERBOT_LED", "none", None),
@@ -53,7 +51,6 @@ def test_a_value_is_read(name: str, text: str, value: object) -> None:
             for text in ("x", "0", "65536", "80.5", "٣", "5_000")
         ],
         ("LASERBOT_ROSBRIDGE_PORT", "-1", "a whole number from 1 to 65535"),
-        ("LASERBOT_VIEW_PORT", "0", "a whole number from 1 to 65535"),
         *[("LASERBOT_HIT_DAMAGE", text, "a whole number from 1 to 100") for text in ("0", "101", "2.5")],
         *[("LASERBOT_COUNTDOWN", text, "a number from 0.1 to 3600") for text in ("nan", "inf", "soon", "٣", "1_0")],
         ("LASERBOT_BATTLE_LIMIT", "-5", "a number from 1 to 86400"),
