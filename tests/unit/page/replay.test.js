@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { clock, fighterAt, lengthOf, poseAt } from "../../../server/static/js/results/replay.js";
+import { clock, fighterAt, lengthOf, playersAt, poseAt, robotsAt } from "../../../server/static/js/results/replay.js";
 
 const track = {
   times: [1, 2, 4],
@@ -36,17 +36,27 @@ test("it waits where it was seen last for a sight that comes late", () => {
 });
 
 test("life, hits and the end of a fighter come from the time line", () => {
-  assert.deepEqual(fighterAt(timeline, "ada", 1.9), { life: 100, hit: false, out: false });
-  assert.deepEqual(fighterAt(timeline, "ada", 2.1), { life: 60, hit: true, out: false });
-  assert.deepEqual(fighterAt(timeline, "ada", 3), { life: 60, hit: false, out: false });
-  assert.deepEqual(fighterAt(timeline, "ada", 9), { life: 0, hit: false, out: true });
-  assert.deepEqual(fighterAt(timeline, "bob", 3.1), { life: 100, hit: false, out: true });
+  assert.deepEqual(fighterAt(timeline, "ada", 1.9), { life: 100, hits: 0, out: false });
+  assert.deepEqual(fighterAt(timeline, "ada", 2.1), { life: 60, hits: 1, out: false });
+  assert.deepEqual(fighterAt(timeline, "ada", 9), { life: 0, hits: 2, out: true });
+  assert.deepEqual(fighterAt(timeline, "bob", 3.1), { life: 100, hits: 0, out: true });
 });
 
 test("who has joined later is not there before, and has the life with which it was", () => {
   const late = [{ at: 5, name: "cy", what: "joined", life: 40 }];
-  assert.deepEqual(fighterAt(late, "cy", 4.9), { life: 100, hit: false, out: true });
-  assert.deepEqual(fighterAt(late, "cy", 5), { life: 40, hit: false, out: false });
+  assert.deepEqual(fighterAt(late, "cy", 4.9), { life: 100, hits: 0, out: true });
+  assert.deepEqual(fighterAt(late, "cy", 5), { life: 40, hits: 0, out: false });
+});
+
+test("the picture gets the robots that were seen, with who played them", () => {
+  const fighters = [{ name: "ada", robot: 0, team: 1 }, { name: "bob", robot: 1, team: 0 }];
+  const battle = { fighters, timeline, track };
+  assert.deepEqual(robotsAt(battle, 1.5), [{ id: 0, name: "ada", x: 0.5, y: 0, heading: 2 * Math.PI, beam: false, hits: 0 }]);
+  assert.deepEqual(robotsAt(battle, 3).map(({ name, hits }) => [name, hits]), [["ada", 1], ["bob", 0]]);
+  const { me, players } = playersAt(battle, 3.5);
+  assert.equal(me, null);
+  assert.deepEqual(players.map(({ name, robot, life, out }) => [name, robot, life, out]), [["ada", 0, 60, false], ["bob", 1, 100, true]]);
+  assert.ok(players[0].colour && players[1].colour === null);
 });
 
 test("a battle that has not ended is as long as its track", () => {

@@ -1,7 +1,8 @@
 // A battle played again, from its JSON (docs/results.md). Pure: what there was to see at a time in s since it began.
 
+import { arenaColour } from "../battle/teams.js";
+
 const FULL_LIFE = 100;
-const FLASH = 0.5; // s that a hit is shown
 const GAP = 5; // s between two sights; in more, nobody knows the way
 
 const turn = (from, to) => ((to - from + 540) % 360) - 180; // the short way, in degrees
@@ -30,16 +31,35 @@ export function poseAt(track, robot, at) {
   return { x: x + part * (after[0] - x), y: y + part * (after[1] - y), heading: heading + part * turn(heading, after[2]) };
 }
 
-/** How the fighter was: { life, hit (just now), out (dead, left, or not there yet) }. */
+/** How the fighter was: { life, hits (taken so far), out (dead, left, or not there yet) }. */
 export function fighterAt(timeline, name, at) {
   const own = timeline.filter((moment) => moment.name === name && moment.at <= at);
   const life = own.at(-1)?.life ?? FULL_LIFE;
   const isEarly = timeline.some((moment) => moment.name === name && moment.what === "joined" && moment.at > at);
   return {
     life,
-    hit: own.some((moment) => moment.what === "hit" && at - moment.at < FLASH),
+    hits: own.filter((moment) => moment.what === "hit").length,
     out: isEarly || life === 0 || own.some((moment) => moment.what === "left"),
   };
+}
+
+/** The robots that were seen, as the picture of the arena draws them. */
+export function robotsAt({ fighters, timeline, track }, at) {
+  return fighters.flatMap(({ name, robot: id }) => {
+    const pose = poseAt(track, id, at);
+    if (!pose) return [];
+    const { hits } = fighterAt(timeline, name, at);
+    return [{ id, name, x: pose.x, y: pose.y, heading: (pose.heading * Math.PI) / 180, beam: false, hits }];
+  });
+}
+
+/** Who played them. @returns {import("../arena/roles.js").Players} */
+export function playersAt({ fighters, timeline }, at) {
+  const players = fighters.map(({ name, robot, team }) => {
+    const { life, out } = fighterAt(timeline, name, at);
+    return { name, robot, life, out, ready: true, avatar: null, colour: arenaColour(team) ?? null };
+  });
+  return { me: null, phase: "", players };
 }
 
 /** How long there is something to see, with what ends the battle; in whole ms, for a slider keeps no more digits. */
