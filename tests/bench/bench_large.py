@@ -85,7 +85,7 @@ def main() -> None:
         print(f"{'work':24}{'p50 ms':>10}{'p99 ms':>10}{'worst':>10}{'lost':>16}{'CPU s a map':>13}", flush=True)
         for side, compression in ROWS:
             subscription: dict[str, object] = {"op": "subscribe", "topic": "/map", "compression": compression}
-            page = Remote(Guests, address.hostname, address.port, subscription)
+            page = Remote(Guests, address.hostname, address.port, [subscription])
             page.call("watch", 1)
             maps.call("publish", side)
             show(bench, topics, arguments.seconds, f"{side} x {side}, {compression}" if side else "none", server.pid)

@@ -1,5 +1,6 @@
 """What spectators cost the drivers: `python3 -m tests.bench.bench_spectators` prints the latency of commands through
-rosbridge, of 4 drivers at 40 Hz each, while 0, 50 and 200 guests watch a battle as the page /watch does.
+rosbridge, of 4 drivers at 40 Hz each, while 0, 50 and 200 guests watch a battle as the page /watch does: its state, and
+where the robots are.
 """
 
 import argparse
@@ -16,8 +17,8 @@ from urllib.parse import urlsplit
 
 import rospy
 
-from laser_bot_battle.msg import GameStatus, UserStatus
-from laser_bot_battle.names import GAME_STATUS
+from laser_bot_battle.msg import GameStatus, Positions, RobotPosition, UserStatus
+from laser_bot_battle.names import GAME_STATUS, POSITIONS
 from tests.bench.bench_rosbridge import Bench, Figures, cpu_seconds, our_rosbridge
 from tests.bench.rosbridge_load import SIGN_OF_LIFE, Remote, RosSide, Sockets
 from tests.support.bare import PONG, BareClient, frame
@@ -27,19 +28,31 @@ GUESTS = (0, 50, 200)
 DRIVERS = 4
 RATE = 40  # commands/s of each
 CHANGES = 10  # states/s of a fierce battle
+SIGHTS = 15  # positions/s
 SECONDS = 10.0
-PAGE = Path("server/static/js/battle/status_feed.js")
+STATUS = Path("server/static/js/battle/status_feed.js")
+ARENA = Path("server/static/js/arena/arena_view.js")
 
 
 class Referee:
-    """Publishes a battle that changes all the time."""
+    """Publishes a battle that changes all the time, and robots that never stand still."""
 
     def __init__(self) -> None:
         rospy.init_node("bench_referee", anonymous=True, disable_signals=True)
         self._publisher = rospy.Publisher(GAME_STATUS, GameStatus, latch=True, queue_size=10)
+        self._positions = rospy.Publisher(POSITIONS, Positions, queue_size=1)
         self._over = threading.Event()
-        self._thread = threading.Thread(target=self._play)
-        self._thread.start()
+        self._threads = [threading.Thread(target=target) for target in (self._play, self._see)]
+        for thread in self._threads:
+            thread.start()
+
+    def _see(self) -> None:
+        walls = [0.0, 0.0, 4.0, 0.0, 4.0, 0.0, 4.0, 2.25, 4.0, 2.25, 0.0, 2.25, 0.0, 2.25, 0.0, 0.0]
+        turn = 0.0
+        while not self._over.wait(1 / SIGHTS):
+            turn += 0.1
+            robots = [RobotPosition(number, number + turn % 1, 1 + turn % 0.7, turn % 3) for number in range(DRIVERS)]
+            self._positions.publish(Positions(width=4, height=2.25, walls=walls, robots=robots))
 
     def _play(self) -> None:
         life = 100
@@ -52,15 +65,16 @@ class Referee:
 
     def close(self) -> None:
         self._over.set()
-        self._thread.join()
+        for thread in self._threads:
+            thread.join()
         rospy.signal_shutdown("done")
 
 
 class Guests:
     """Pages that watch; they read what comes and answer nothing."""
 
-    def __init__(self, host: str, port: int, subscription: dict[str, object]) -> None:
-        self._host, self._port, self._subscription = host, port, subscription
+    def __init__(self, host: str, port: int, subscriptions: Sequence[dict[str, object]]) -> None:
+        self._host, self._port, self._subscriptions = host, port, subscriptions
         self._clients: list[BareClient] = []
         self._selector = selectors.DefaultSelector()
         self._bytes = 0
@@ -78,7 +92,8 @@ class Guests:
         for address, cookie in visitors:
             headers = {"Cookie": cookie} if cookie else None
             client = BareClient(self._port, headers, host=self._host, source=address)
-            client.say(**self._subscription)  # type: ignore[arg-type]
+            for subscription in self._subscriptions:
+                client.say(**subscription)  # type: ignore[arg-type]
             self._clients.append(client)
             self._selector.register(client.socket, selectors.EVENT_READ)
         self._thread = threading.Thread(target=self._read)
@@ -130,11 +145,11 @@ def main() -> None:
         stack.callback(ros.close)
         referee = Remote(Referee)
         stack.callback(referee.close)
-        guests = Remote(Guests, address.hostname, address.port, page_subscription())
+        guests = Remote(Guests, address.hostname, address.port, page_subscriptions())
         stack.callback(guests.close)
         bench = Bench(server, drivers, ros)
         topics = [f"/bench{number}/command" for number in range(DRIVERS)]
-        print(f"{DRIVERS} drivers at {RATE} Hz, {CHANGES} states/s")
+        print(f"{DRIVERS} drivers at {RATE} Hz, {CHANGES} states/s, {SIGHTS} positions/s")
         print(f"{'guests':>8}{'p50 ms':>10}{'p99 ms':>10}{'lost':>16}{'CPU %':>8}{'kB/s to all':>14}", flush=True)
         for count in GUESTS:
             guests.call("watch", count)
@@ -145,12 +160,15 @@ def main() -> None:
             show(count, figures, (cpu_seconds(server.pid) - cpu) / passed, guests.call("heard") / passed)
 
 
-def page_subscription() -> dict[str, object]:
-    """What the page sends, from its source."""
-    (text,) = re.findall(r"^const SUBSCRIPTION = (\{.*?^\});", (ROOT / PAGE).read_text(), re.DOTALL | re.MULTILINE)
+def page_subscriptions() -> list[dict[str, object]]:
+    """What the page sends, from its source: for the state, and for the positions."""
+    (text,) = re.findall(r"^const SUBSCRIPTION = (\{.*?^\});", (ROOT / STATUS).read_text(), re.DOTALL | re.MULTILINE)
     without_comments = re.sub(r"//.*", "", text)
     quoted = re.sub(r"(\w+):", r'"\1":', without_comments)
-    return dict(json.loads(re.sub(r",\s*\}", "}", quoted)))
+    status = dict(json.loads(re.sub(r",\s*\}", "}", quoted)))
+    (rate,) = re.findall(r"^const RATE = (\d+);", (ROOT / ARENA).read_text(), re.MULTILINE)
+    wanted = {"topic": POSITIONS, "type": Positions._type, "throttle_rate": int(rate), "queue_length": 1}
+    return [status, {"op": "subscribe", **wanted}]
 
 
 def show(guests: int, figures: Figures, load: float, rate: float) -> None:

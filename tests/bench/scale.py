@@ -20,7 +20,7 @@ import psutil
 
 from laser_bot_battle.open_files import allow_files
 from tests.bench.bench_rosbridge import Figures, cpu_seconds, figures_of
-from tests.bench.bench_spectators import Guests, page_subscription
+from tests.bench.bench_spectators import Guests, page_subscriptions
 from tests.bench.rosbridge_load import Remote
 from tests.bench.scale_load import KEYS, NUMBER_OF, Drivers, Pages, address, countdown
 from tests.support.light_robots import LightRobots
@@ -175,7 +175,7 @@ def loaded_master(
         robots = Remote(LightRobots, players, master.uri, master.web)
         pages = Remote(Pages, master.web)
         drivers = Remote(Drivers, HOST, master.bridge_port)
-        watching = Remote(Guests, HOST, master.bridge_port, page_subscription())
+        watching = Remote(Guests, HOST, master.bridge_port, page_subscriptions())
         loads = [robots, pages, watching, drivers]
         for load in loads:
             stack.callback(load.close)

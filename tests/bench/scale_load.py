@@ -122,7 +122,7 @@ class Drivers(Guests):
 
     def __init__(self, host: str, port: int) -> None:
         everything: dict[str, object] = {"op": "subscribe", "topic": "/game_status"}
-        super().__init__(host, port, everything)
+        super().__init__(host, port, [everything])
         self._robots: list[int] = []
 
     def sit_down(self, seats: list[Seat]) -> None:
