@@ -43,7 +43,6 @@ SECONDS = 30.0
 RAMP = 20.0  # s in which the visitors come
 FILES = 12_000
 STATE = json.dumps({"game": 0, "available_robots": 4, "users": [], "queue": [], "tournament": 0}).encode()
-PLACINGS = [Placing(f"player{n}", n, 100, 0, n + 1, False) for n in range(FIGHTERS)]
 
 # what must hold, in s
 WRITE_P99, LEADERBOARD = 0.05, 0.1
@@ -114,19 +113,23 @@ class Writer:
         self.database.open()
         self.times: list[float] = []
         self._number, self._battle = number, 0
+        # nobody plays in two arenas at the same time
+        self._placings = tuple(
+            Placing(f"p{number * FIGHTERS + place}", place, 100, 0, place + 1, False) for place in range(FIGHTERS)
+        )
 
     async def fight(self, end: float, length: int = 40) -> None:
-        """`length` hits a battle."""
-        await asyncio.sleep(HIT_EVERY * self._number / ARENAS)
+        """`length` hits a battle. The arenas' battles do not begin and end at the same moment."""
+        await asyncio.sleep(length * HIT_EVERY * self._number / ARENAS)
         while time.monotonic() < end:
             self._battle += 1
-            names = [placing.name for placing in PLACINGS]
+            names = [placing.name for placing in self._placings]
             starters = tuple(events.Fighter(name, robot, 0) for robot, name in enumerate(names))
             await self._decide(events.BattleStarted(self._battle, 300.0, starters))
             for hit in range(length):
                 await asyncio.sleep(HIT_EVERY)
                 await self._decide(events.Hit(names[hit % FIGHTERS], hit % FIGHTERS, 100 - hit))
-            await self._decide(events.BattleEnded(self._battle, "the time limit is reached", tuple(PLACINGS)))
+            await self._decide(events.BattleEnded(self._battle, "the time limit is reached", self._placings))
 
     async def _decide(self, event: Event) -> None:
         began = time.monotonic()
