@@ -105,6 +105,7 @@ def test_a_linter_finds_a_fault(linter: str, tmp_path: Path) -> None:
         "tests/__init__.py",
         "ansible/checks/fleet.py",
         "ci/engine/root",
+        "k3s/rollouts.py",
     ):
         (tmp_path / module).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / module).touch()
