@@ -17,18 +17,21 @@ class Hill:
         self._seen_at: float | None = None
         self._held: dict[int, float] = {}
 
-    def see(self, moment: Moment, hills: Iterable[Zone], sides: Mapping[int, object]) -> list[int]:
-        """Which robots earn a point by how they stand now. `sides`: for whom each robot fights that is in the battle;
-        those of one side do not stand in each other's way, and the one nearest to the middle earns."""
+    def see(self, moment: Moment, hills: Iterable[Zone], sides: Mapping[int, object]) -> list[tuple[int, Zone]]:
+        """Which robots earn a point by how they stand now, and on which hill. `sides`: for whom each robot fights that
+        is in the battle; those of one side do not stand in each other's way, and the one nearest to the middle earns."""
         passed = 0.0 if self._seen_at is None else min(GAP, moment.at - self._seen_at)
         self._seen_at = moment.at
         earned = []
-        for robot in {holder for hill in hills if (holder := _holder(hill, moment, sides)) is not None}:
+        for hill in hills:
+            robot = _holder(hill, moment, sides)
+            if robot is None:
+                continue
             self._held[robot] = self._held.get(robot, 0.0) + passed
             if self._held[robot] >= SECOND:
                 self._held[robot] -= 1.0
-                earned.append(robot)
-        return sorted(earned)
+                earned.append((robot, hill))
+        return earned
 
 
 def is_in(zone: Zone, pose: tuple[float, float, float]) -> bool:

@@ -27,13 +27,13 @@ class PickUps:
         self.lying.pop(zone, None)
         self.emptied[zone] = at
 
-    def due(self, zones: Iterable[Zone], every: float, began_at: float) -> Iterator[tuple[float, str, str]]:
+    def due(self, zones: Iterable[Zone], every: float, began_at: float) -> Iterator[tuple[float, Zone, str]]:
         """When, where and which ones come, if each place is filled so many s after it was emptied. What lies at a place
         changes each time, and is not the same everywhere."""
         for number, zone in enumerate(zones):
             if zone.name not in self.lying:
                 kind = KINDS[(number + self.laid.get(zone.name, 0)) % len(KINDS)]
-                yield self.emptied.get(zone.name, began_at) + every, zone.name, kind
+                yield self.emptied.get(zone.name, began_at) + every, zone, kind
 
     def leave_out(self, seconds: float) -> None:
         """A pause is no time."""

@@ -28,6 +28,9 @@ class HillHeld:
     name: Name
     robot: int
     points: int  # the fighter's in this battle, this one included
+    x: float  # m, of the hill's middle
+    y: float
+    radius: float
 
     def __str__(self) -> str:
         return f"{self.name} (robot {self.robot}) holds the hill, {self.points} s so far"
@@ -39,6 +42,9 @@ class PickUpLaid:
 
     zone: str  # where, as the floor's file names it
     kind: str  # one of pickups.KINDS
+    x: float  # m, of its middle
+    y: float
+    radius: float
 
     def __str__(self) -> str:
         return f"a pick-up, {self.kind}, lies at {self.zone}"

@@ -62,8 +62,8 @@ class Places:
             for kind, until in user.effects.items():
                 yield until, EffectEnded(user.name, user.robot, kind)
         if rules.pickups:
-            for at, zone, kind in state.pickups.due(self._spots, rules.pickups, state.began_at):
-                yield at, PickUpLaid(zone, kind)
+            for at, spot, kind in state.pickups.due(self._spots, rules.pickups, state.began_at):
+                yield at, PickUpLaid(spot.name, kind, spot.x, spot.y, spot.radius)
 
     def shown(self, state: State, rules: Rules) -> tuple[Place, ...]:
         """What players are to see on the floor."""
@@ -79,8 +79,9 @@ class Places:
         if rules.hill:
             fighters = {user.robot: user for user in state.users.get_users_alive()}
             sides = {robot: user.team or user.name for robot, user in fighters.items()}
-            for robot in self._hill.see(moment, self._hills, sides):
-                yield HillHeld(fighters[robot].name, robot, fighters[robot].points + 1)
+            for robot, hill in self._hill.see(moment, self._hills, sides):
+                points = fighters[robot].points + 1
+                yield HillHeld(fighters[robot].name, robot, points, hill.x, hill.y, hill.radius)
 
     def _taken(self, moment: Moment, state: State) -> Iterator[PickedUp]:
         for spot in self._spots:

@@ -44,15 +44,15 @@ def _line(course: Course, place: int, length: float) -> Line:
     def y(life: int) -> str:
         return f"{(1 - life / FULL_LIFE) * HEIGHT + place * _APART:.1f}"
 
-    (_, life), *hits = course.lives
+    life = course.first
     path = f"M{x(course.joined) if course.joined else 0} {y(life)}"
-    for at, life in hits:
+    for at, _, life, _ in course.changes:
         path += f"H{x(at)}V{y(life)}"
     end = length if course.out is None else course.out
     return Line(
         name=course.name,
         robot=course.robot,
         path=f"{path}H{x(end)}",
-        hits="".join(f"M{x(at)} {y(life)}h0" for at, life in hits),
+        hits="".join(f"M{x(at)} {y(now)}h0" for at, what, now, _ in course.changes if what == "hit"),
         end="" if course.out is None else f"M{x(end)} {y(life)}h0",
     )

@@ -128,7 +128,12 @@ def _add_battles(pages: Blueprint, results: Results) -> None:
     @pages.get("/results/<battle>.json")
     def battle_json(battle: str) -> Response:
         found, courses = _find(results, battle)
-        return _json(**_battle_fields(found), timeline=_moments(courses), track=results.track(found.id))
+        return _json(
+            **_battle_fields(found),
+            timeline=_moments(courses),
+            places=results.places(found.id),
+            track=results.track(found.id),
+        )
 
 
 def _add_leaderboard(pages: Blueprint, results: Results) -> None:
@@ -257,12 +262,12 @@ def _moments(courses: Iterable[Course]) -> list[dict[str, Any]]:
     """What happened, in its order; `at` in s since the battle began."""
     moments: list[dict[str, Any]] = []
     for course in courses:
-        (joined, life), *hits = course.lives
-        if joined > 0:
-            moments.append({"at": joined, "name": course.name, "what": "joined", "life": life, "by": None})
+        if course.joined > 0:
+            first = {"at": course.joined, "name": course.name, "what": "joined", "life": course.first, "by": None}
+            moments.append(first)
         moments += [
-            {"at": at, "name": course.name, "what": "hit", "life": life, "by": by or None}
-            for (at, life), by in zip(hits, course.shooters, strict=True)
+            {"at": at, "name": course.name, "what": what, "life": life, "by": by or None}
+            for at, what, life, by in course.changes
         ]
         if course.left is not None:
             moments.append({"at": course.left, "name": course.name, "what": "left", "life": course.life, "by": None})
@@ -275,7 +280,7 @@ def _length(battle: Battle, courses: Iterable[Course]) -> float:
         return battle.seconds
     if battle.so_far is not None:
         return battle.so_far
-    return max((course.lives[-1][0] for course in courses), default=0.0)
+    return max((change.at for course in courses for change in course.changes), default=0.0)
 
 
 def _json(**content: Any) -> Response:

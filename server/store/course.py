@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
 from server.game.users import FULL_LIFE
 
@@ -21,6 +21,15 @@ KINDS = (
 )
 
 
+class Change(NamedTuple):
+    """Of a fighter."""
+
+    at: float
+    what: str  # "hit", or what was picked up
+    life: int  # since then
+    by: str = ""  # of a hit: who has shot, if the light tells
+
+
 @dataclass(slots=True)
 class Course:
     """All times are seconds since the battle began."""
@@ -28,37 +37,32 @@ class Course:
     name: str
     robot: int
     avatar: int
-    lives: list[tuple[float, int]] = field(default_factory=lambda: [(0.0, FULL_LIFE)])  # since when, how much
+    joined: float = 0.0  # when the fighter began; 0: with the battle
+    first: int = FULL_LIFE  # life then
+    changes: list[Change] = field(default_factory=list)
     out: float | None = None  # when the fighter died or left, whichever came first
     left: float | None = None
     team: int = 0  # 0: fought alone
-    shooters: list[str] = field(default_factory=list)  # of each hit taken, "" if the light does not tell
     given: int | None = 0  # hits, of others than the own team; None: of some hits of the battle nobody knows whose
     kills: int | None = 0  # likewise
     paused: float = 0.0  # s of pauses, until the fighter was out
 
     @property
-    def joined(self) -> float:
-        """When the fighter began; 0: with the battle."""
-        return self.lives[0][0]
-
-    @property
     def life(self) -> int:
         """What was left at the end."""
-        return self.lives[-1][1]
+        return self.changes[-1].life if self.changes else self.first
 
     @property
     def hits(self) -> int:
         """Taken."""
-        return len(self.shooters)
+        return sum(change.what == "hit" for change in self.changes)
 
     def fought(self, lasted: float) -> float:
         """Seconds in a battle that has lasted so long; pauses do not count."""
         return (lasted if self.out is None else min(self.out, lasted)) - self.joined - self.paused
 
     def hit(self, at: float, life: int, by: str = "") -> None:
-        self.lives.append((at, life))
-        self.shooters.append(by)
+        self.changes.append(Change(at, "hit", life, by))
         if life == 0:
             self.out = at
 
@@ -95,9 +99,9 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
                     for one in data["fighters"]
                 ]
             case "Joined":
-                found.append(Course(data["name"], data["robot"], data["avatar"], [(now, data["life"])]))
+                found.append(Course(data["name"], data["robot"], data["avatar"], now, data["life"]))
             case "Hit" | "PickedUp":
-                (_hit if kind == "Hit" else _repair)(found, data, now)
+                (_hit if kind == "Hit" else _pick_up)(found, data, now)
             case "Left" | "Unseated" | "RobotGone":
                 for course in found:
                     if course.robot == data["robot"] if kind == "RobotGone" else course.name == data["name"]:
@@ -124,8 +128,7 @@ def _hit(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
             course.give(is_kill=data["life"] == 0)
 
 
-def _repair(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
-    """Also by a pick-up that repairs nothing."""
+def _pick_up(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
     for course in found:
-        if course.name == data["name"] and course.life != data["life"]:
-            course.lives.append((now, data["life"]))
+        if course.name == data["name"]:
+            course.changes.append(Change(now, data["kind"], data["life"]))

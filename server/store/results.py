@@ -34,6 +34,7 @@ from server.store.clocks import Clocks
 from server.store.course import Course
 from server.store.database import AwayError, clock_of, last_battle, make_engine
 from server.store.fighters import read_courses
+from server.store.marks import KINDS, marks
 from server.store.tally import COUNTS, SHOOTING, is_left_over, sums
 from server.store.track import join
 
@@ -154,6 +155,13 @@ class Results:
         tracks = schema.tracks.c
         with self._reading() as connection:
             return join(connection.scalars(select(tracks.data).where(tracks.battle == battle).order_by(tracks.id)))
+
+    def places(self, battle: int) -> list[dict[str, Any]]:
+        """What was on the floor in that battle, see server.store.marks."""
+        events = schema.events.c
+        recorded = select(events.at, events.kind, events.data).where(events.battle == battle, events.kind.in_(KINDS))
+        with self._reading() as connection:
+            return marks((row.at, row.kind, row.data) for row in connection.execute(recorded.order_by(events.id)))
 
     def leaderboard(self, begin: float, end: float) -> list[Standing]:
         """The most wins, in battles that began from `begin` to before `end`; equals by fewer hits per battle."""

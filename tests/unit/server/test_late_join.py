@@ -145,5 +145,5 @@ def test_its_events_lead_to_its_result_and_to_the_course_of_each(running):
     assert running.ranking == [(1, "cy"), (2, "bob"), (3, "ada")]
     by_name = {one.name: one for one in courses((one.at, kind_of(one.event), to_json(one.event)) for one in journal)}
     assert by_name["cy"].joined == pytest.approx(10.3)
-    assert [life for _, life in by_name["cy"].lives] == [70, 60, 50]
+    assert [by_name["cy"].first, *(change.life for change in by_name["cy"].changes)] == [70, 60, 50]
     assert by_name["ada"].joined == 0

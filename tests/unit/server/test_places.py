@@ -14,6 +14,7 @@ from server.game.rules import Rules
 from server.game.sight import REMEMBERED, Moment, Sides, beyond, could_meet
 from server.ros.status import to_message
 from server.store.course import courses
+from server.store.marks import marks
 from tests.unit.server.conftest import Match
 
 EAST, NORTH, WEST = 0.0, math.pi / 2, math.pi
@@ -342,5 +343,18 @@ def test_the_course_of_a_battle_tells_repairs_from_hits(laid):
     laid.hit("bob", 10)
     recorded = [(one.at, kind_of(one.event), to_json(one.event)) for one in laid.referee.take_journal()]
     ada, bob = courses(recorded)
-    assert (ada.hits, ada.life, [life for _, life in ada.lives][-2:]) == (6, 70, [40, 70])
+    assert (ada.hits, ada.life, [change.what for change in ada.changes][-2:]) == (6, 70, ["hit", "repair"])
     assert (bob.hits, bob.life) == (10, 0)
+
+
+def test_a_replay_knows_when_something_lay_where():
+    match = new_game(Rules(pickups=20, hill=True), "ada", "bob")
+    stay(match, 1.2, (2.0, 1, EAST), AWAY)
+    match.wait(20)
+    see(match, AWAY, (0.5, 1, EAST))
+    found = marks([(one.at, kind_of(one.event), to_json(one.event)) for one in match.referee.take_journal()])
+    assert [(one["kind"], one["x"], one["radius"], one["since"] > 0, one["until"] is None) for one in found] == [
+        (0, 2.0, 0.3, False, True),
+        (1, 0.5, 0.1, True, False),
+        (2, 3.5, 0.1, True, True),
+    ]

@@ -512,6 +512,6 @@ def test_a_course_knows_what_was_given_only_if_all_hits_tell():
     began = {"fighters": [{"name": name, "robot": n, "avatar": 0} for n, name in enumerate(("ada", "bob"))]}
     hits = [(101.0, "Hit", {"name": "ada", "robot": 0, "life": 90, "by": "bob"})]
     ada, bob = courses([(100.0, "BattleStarted", began), *hits])
-    assert (ada.given, bob.given, bob.kills, ada.shooters) == (0, 1, 0, ["bob"])
+    assert (ada.given, bob.given, bob.kills, [change.by for change in ada.changes]) == (0, 1, 0, ["bob"])
     ada, bob = courses([(100.0, "BattleStarted", began), *hits, (102.0, "Hit", {"name": "bob", "robot": 1, "life": 0})])
     assert (ada.given, bob.given, ada.kills) == (None, None, None)

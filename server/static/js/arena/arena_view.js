@@ -60,6 +60,7 @@ export class ArenaView {
   take(status, me) {
     if (this.#shooting.take(status)) this.#picture.wake();
     this.#picture.show(arenaPlayers(status, me));
+    this.#picture.places = status.places;
     this.#showWords();
   }
 

@@ -21,6 +21,7 @@ export class Picture {
   #newsAt = 0; // s
   #scale = 1;
   #players = ""; // as text
+  #places = ""; // as text
 
   /**
    * @param {HTMLCanvasElement} canvas fills its parent
@@ -40,6 +41,15 @@ export class Picture {
   /** Another floor. @param {import("./positions.js").Floor} floor */
   build(floor) {
     this.#scene.build(floor);
+    this.wake();
+  }
+
+  /** Hills, and what lies on the floor. @param {import("../battle/messages.js").Place[]} places */
+  set places(places) {
+    const news = JSON.stringify(places);
+    if (news === this.#places) return;
+    this.#places = news;
+    this.#scene.places = places;
     this.wake();
   }
 

@@ -7,6 +7,7 @@ import { drawSmoke } from "./smoke.js";
 import { drawTrack } from "./tracks.js";
 import { EMITTER, Memory } from "./memory.js";
 import { DRIFT, isDue, isOther, MOTION, REST } from "./pace.js";
+import { drawPlaces } from "./places.js";
 import { paintFloor } from "./floor.js";
 import { Sparks } from "./sparks.js";
 import { Sprites } from "./sprites.js";
@@ -30,6 +31,7 @@ export class Scene {
   #room = { width: 0, height: 0 }; // CSS px
   #density = 0; // canvas pixels for a CSS px
   #scale = 0; // canvas pixels for a metre
+  #places = [];
   #drawn = null; // the robots on the canvas; null: something else has changed
   #effects = null; // of the last picture
   #drawnAt = -Infinity; // s
@@ -45,6 +47,12 @@ export class Scene {
     this.#arena = arena;
     this.#memory.clear();
     this.#density = 0;
+    this.#drawn = null;
+  }
+
+  /** Hills, and what lies on the floor. @param {import("../battle/messages.js").Place[]} places */
+  set places(places) {
+    this.#places = places;
     this.#drawn = null;
   }
 
@@ -134,6 +142,7 @@ export class Scene {
     }
     const shown = robots.map((robot) => this.#look(robot, roles, now));
     this.#toMetres(context);
+    drawPlaces(context, this.#places);
     if (effects.tracks) for (const each of shown) if (!each.out) drawTrack(context, each.remembered.track, each.colour, now);
     for (const each of shown) if (each.isMe) drawMark(context, each.robot, this.#arena.robot_radius, each.colour, roles.sinceStart(now), still);
     for (const each of shown) this.#drawRobot(context, each);

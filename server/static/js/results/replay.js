@@ -53,6 +53,9 @@ export function robotsAt({ fighters, timeline, track }, at) {
   });
 }
 
+/** What was on the floor. @returns {import("../battle/messages.js").Place[]} */
+export const placesAt = ({ places }, at) => places.filter(({ since, until }) => since <= at && (until === null || at < until));
+
 /** Who played them. @returns {import("../arena/roles.js").Players} */
 export function playersAt({ fighters, timeline }, at) {
   const players = fighters.map(({ name, robot, team }) => {

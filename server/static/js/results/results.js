@@ -8,7 +8,7 @@ import { setText } from "../common/dom.js";
 import { showMoments } from "../common/local_times.js";
 import { noticeText } from "../common/notice.js";
 import { connectPreferences } from "../common/preferences.js";
-import { clock, lengthOf, playersAt, robotsAt } from "./replay.js";
+import { clock, lengthOf, placesAt, playersAt, robotsAt } from "./replay.js";
 import { t } from "../common/words.js";
 
 const byId = (id) => document.getElementById(id);
@@ -32,6 +32,7 @@ class Floor {
   show(at) {
     this.#at = at;
     this.#picture.show(playersAt(this.#battle, at));
+    this.#picture.places = placesAt(this.#battle, at);
     this.#picture.wake();
     const label = inWords(robotsAt(this.#battle, at), (robot) => this.#picture.roles.of(robot)?.player);
     if (this.#canvas.ariaLabel !== label) this.#canvas.ariaLabel = label;
