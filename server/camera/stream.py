@@ -13,6 +13,7 @@ CONNECT = 3.0  # s until the camera must have answered
 SILENCE = 3.0  # s without a complete picture; a camera that is away still sends one a second that says so
 CHUNK = 64 * 2**10  # bytes that are read at once
 MAX_ADDRESS = 300  # characters
+STREAM = "/stream?extra_headers=1"  # of ustreamer, with the time of each picture
 
 _ADDRESS = re.compile(
     r"http://(?P<host>[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):(?P<port>[0-9]{1,5})(?P<path>(/[\w.-]*)*)",
@@ -21,11 +22,11 @@ _ADDRESS = re.compile(
 
 
 class Address(NamedTuple):
-    """Of a camera, below which its paths are."""
+    """Of a camera's stream."""
 
     host: str
     port: int
-    path: str  # without a slash at its end
+    target: str  # its path there, and a query perhaps
 
 
 def address_of(value: object) -> Address:
@@ -34,7 +35,7 @@ def address_of(value: object) -> Address:
     match = _ADDRESS.fullmatch(value) if isinstance(value, str) and len(value) <= MAX_ADDRESS else None
     if not match or not 0 < int(match["port"]) < 2**16:
         raise StreamError("the robot tells a wrong address of its camera")
-    return Address(match["host"].strip("[]"), int(match["port"]), match["path"].rstrip("/"))
+    return Address(match["host"].strip("[]"), int(match["port"]), match["path"].rstrip("/") + STREAM)
 
 
 async def follow(address: Address, received: Callable[[Part], None]) -> None:
@@ -45,8 +46,7 @@ async def follow(address: Address, received: Callable[[Part], None]) -> None:
     except (OSError, UnicodeError):  # the latter for what can be no name, such as a..b
         raise StreamError("the camera cannot be reached") from None
     host = f"[{address.host}]" if ":" in address.host else address.host
-    request = f"GET {address.path}/stream?extra_headers=1 HTTP/1.0"
-    writer.write(f"{request}\r\nHost: {host}:{address.port}\r\n{RELAY_HEADER}: 1\r\n\r\n".encode())
+    writer.write(f"GET {address.target} HTTP/1.0\r\nHost: {host}:{address.port}\r\n{RELAY_HEADER}: 1\r\n\r\n".encode())
     try:
         async with asyncio.timeout(CONNECT):
             head = await reader.readuntil(b"\r\n\r\n")

@@ -19,7 +19,7 @@ class Hill:
 
     def see(self, moment: Moment, hills: Iterable[Zone], sides: Mapping[int, object]) -> list[tuple[int, Zone]]:
         """Which robots earn a point by how they stand now, and on which hill. `sides`: for whom each robot fights that
-        is in the battle; those of one side do not stand in each other's way, and the one nearest to the middle earns."""
+        is in the battle; those of one side are not in each other's way, and whoever is nearest to the middle earns."""
         passed = 0.0 if self._seen_at is None else min(GAP, moment.at - self._seen_at)
         self._seen_at = moment.at
         earned = []

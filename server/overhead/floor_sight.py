@@ -43,7 +43,8 @@ class FloorSight:
             )
         if self.view:
             self._compare(self.view, tags, now)
-        if self.view is None or (now - self._tried >= RENEW and self._used <= tags.keys()):
+        is_due = self._off_since is None and now - self._tried >= RENEW and self._used <= tags.keys()
+        if self.view is None or is_due:
             self._measure(tags, size, now)
 
     def _compare(self, view: View, tags: Mapping[int, Floats], now: float) -> None:
@@ -97,8 +98,7 @@ class FloorSight:
         used = dict(tags)
         while True:
             view = self._solve(used, size)
-            worst = self._worst(view, used)
-            if worst <= OFF:
+            if view and self._worst(view, used) <= OFF:
                 far = self._far(view, tags)
                 return view, {number: miss for number, miss in far.items() if not miss <= OFF}
             if len(tags) - len(used) == MOST_OFF:
@@ -110,10 +110,15 @@ class FloorSight:
                 return None, {}
             used = min(without, key=lambda fewer: self._worst(self._solve(fewer, size), fewer))
 
-    def _solve(self, tags: Mapping[int, Floats], size: Size) -> View:
-        return View.solve(size, tags, self._places, self._camera_height)
+    def _solve(self, tags: Mapping[int, Floats], size: Size) -> View | None:
+        try:
+            return View.solve(size, tags, self._places, self._camera_height)
+        except np.linalg.LinAlgError:  # no camera sees a floor so
+            return None
 
-    def _worst(self, view: View, tags: Mapping[int, Floats]) -> float:
+    def _worst(self, view: View | None, tags: Mapping[int, Floats]) -> float:
+        if view is None:
+            return np.inf
         return max(np.inf if np.isnan(miss) else miss for miss in self._far(view, tags).values())
 
     def _far(self, view: View, tags: Mapping[int, Floats]) -> dict[int, float]:

@@ -14,7 +14,8 @@ REPEATS = 3  # pictures in a row that must show a robot where it was not expecte
 NEAR = 0.06  # m from where it was expected, when it was just seen there,
 FASTER = 3 * FULL_SPEED  # m/s by which that grows: others push it, and wheels slip
 COVERED = 1.0  # s for which the place of a robot that is not seen is foretold
-COVERED_IS = 0.25  # s; until then, it has only been missed in a picture or two
+MISSED = 0.25  # s; until then, it has only been missed in a picture or two
+STALE = 0.6  # s; the newest picture is so old that no robot is seen
 
 
 class Seen(NamedTuple):
@@ -40,6 +41,7 @@ class Robots:
 
     def __init__(self) -> None:
         self._robots: dict[int, _Robot] = {}
+        self._newest = float("-inf")  # picture
 
     def command(self, robot: int, linear_x: int, angular_z: int, now: float) -> None:
         """It is told to move so."""
@@ -47,6 +49,7 @@ class Robots:
 
     def see(self, found: Mapping[int, Sequence[Place]], taken: float) -> None:
         """Where a picture of that time shows each robot; several places for one are doubtful."""
+        self._newest = taken
         for robot, places in found.items():
             one = self._robot(robot)
             expected = self._at(one, taken)
@@ -61,7 +64,11 @@ class Robots:
     def at(self, now: float) -> list[Seen]:
         """Where all robots are."""
         places = ((robot, one, self._at(one, now)) for robot, one in sorted(self._robots.items()))
-        return [Seen(robot, place, now - one.seen > COVERED_IS) for robot, one, place in places if place is not None]
+        return [
+            Seen(robot, place, self._newest - one.seen > MISSED or now - one.seen > STALE)
+            for robot, one, place in places
+            if place is not None
+        ]
 
     def forget(self) -> None:
         """All places: nobody can say any more what the picture shows."""

@@ -70,9 +70,9 @@ class Tracker:
         """Where they are now."""
         return self._robots.at(now)
 
-    def troubles(self, now: float) -> list[str]:
-        """What is wrong, for people."""
-        return self._troubles.texts(now)
+    def troubles(self, now: float) -> dict[object, str]:
+        """What is wrong, for people, by what tells it from other troubles."""
+        return self._troubles.believed(now)
 
     def news(self) -> list[str]:
         """What has happened since this was last asked, for the log."""

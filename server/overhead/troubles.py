@@ -24,7 +24,7 @@ class Troubles:
         times = trouble.times if trouble and now - trouble.noticed <= LASTING else 0
         self._all[key] = _Trouble(text, times + 1, now)
 
-    def texts(self, now: float) -> list[str]:
-        """Of all that are believed now."""
+    def believed(self, now: float) -> dict[object, str]:
+        """The texts of all that are believed now, by key."""
         self._all = {key: trouble for key, trouble in self._all.items() if now - trouble.noticed <= LASTING}
-        return [trouble.text for trouble in self._all.values() if trouble.times >= ENOUGH]
+        return {key: trouble.text for key, trouble in self._all.items() if trouble.times >= ENOUGH}

@@ -54,8 +54,9 @@ class View:
 
     def places(self, pixels: Floats, height: float = 0.0) -> Floats:
         """What lies there, `height` m above the floor; NaN where the lens shows nothing."""
-        straight = _straight(_normal(pixels, self.size), self.bend)
-        on_floor = _project(np.linalg.inv(self.homography), straight)
+        with np.errstate(all="ignore"):
+            straight = _straight(_normal(pixels, self.size), self.bend)
+            on_floor = _project(np.linalg.inv(self.homography), straight)
         over = self.camera[:2]
         places: Floats = over + (on_floor - over) * (1 - height / self.camera[2])
         return places

@@ -51,6 +51,7 @@ def test_compose_takes_every_variable_of_the_table_but_those_that_are_marked() -
         ("rosout", "server.ros.rosout"),
         ("front", "server.front"),
         ("announcer", "server.announcer"),
+        ("overhead", "server.overhead"),
         ("entrance", "server.entrance"),
         ("robot", "robot.id_service_client"),
         ("camera", "robot.camera"),

@@ -1,14 +1,17 @@
-"""A camera above the floor, for tests: where it sees tags, computed the other way round than the tracker does."""
+"""A camera above the floor, for tests: where it sees tags, computed the other way round than the tracker does, and its
+pictures."""
 
+import io
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from PIL import Image
 
 from laser_bot_battle.apriltag import Detection
-from laser_bot_battle.tags import FLOOR_TAG_SIZE, ROBOT_TAG_SIZE, floor_tags
+from laser_bot_battle.tags import FLOOR_TAG_SIZE, ROBOT_TAG_SIZE, floor_tags, tag_picture
 
 TAG_HEIGHT = 0.11  # m
 SIZE = (1280, 720)
@@ -72,3 +75,33 @@ class OverheadCamera:
 
     def robots(self, poses: Mapping[int, tuple[float, float, float]]) -> list[Detection]:
         return [self.tag(number, pose, ROBOT_TAG_SIZE, TAG_HEIGHT) for number, pose in poses.items()]
+
+
+def grey_picture(tags: Iterable[Detection], noise: float = 2.0) -> np.ndarray:
+    """Of tags on a grey floor, 0 to 255 with so much noise: rows x columns."""
+    width, height = SIZE
+    canvas = Image.new("L", SIZE, 120)
+    for tag in tags:
+        cells = Image.fromarray(np.array(tag_picture(tag.number), np.uint8) * 200 + 25).resize(
+            (80, 80), Image.Resampling.NEAREST
+        )
+        to_cells = _perspective(np.array(tag.corners), np.array([(8, 72), (72, 72), (72, 8), (8, 8)]))
+        seen = cells.transform(SIZE, Image.Transform.PERSPECTIVE, to_cells, Image.Resampling.BICUBIC)
+        inside = Image.new("L", cells.size, 255).transform(SIZE, Image.Transform.PERSPECTIVE, to_cells)
+        canvas.paste(seen, mask=inside)
+    noisy = np.asarray(canvas) + np.random.default_rng(1).normal(0, noise, (height, width))
+    return np.clip(noisy, 0, 255).astype(np.uint8)
+
+
+def jpeg_of(grey: np.ndarray) -> bytes:
+    buffer = io.BytesIO()
+    Image.fromarray(grey).save(buffer, "JPEG", quality=85)
+    return buffer.getvalue()
+
+
+def _perspective(there: np.ndarray, here: np.ndarray) -> tuple[float, ...]:
+    """What Pillow needs to find the points `here` for those `there`, four each."""
+    rows = []
+    for (x, y), (u, v) in zip(there, here, strict=True):
+        rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]
+    return tuple(np.linalg.solve(np.array(rows), here.ravel()))

@@ -12,6 +12,7 @@ from server.announcer.settings import Settings as AnnouncerSettings
 from server.camera.settings import Settings as RelaySettings
 from server.entrance.settings import Settings as EntranceSettings
 from server.front.settings import FrontSettings
+from server.overhead.settings import Settings as OverheadSettings
 from server.program.program import ProgramSettings as MasterProgramSettings
 from server.rosbridge.settings import Settings as RosbridgeSettings
 from server.store.location import database_url
@@ -54,6 +55,7 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.main": (WebSettings.from_env, lambda found: _ports(found, "web"), ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: _ports(found, "rosbridge"), ROS),
     "server.camera": (RelaySettings.from_env, lambda found: _ports(found, "relay"), ROS),
+    "server.overhead": (OverheadSettings.from_env, lambda found: _ports(found, "overhead"), ROS),
     "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
     "server.entrance": (EntranceSettings.from_env, lambda found: {found.port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),

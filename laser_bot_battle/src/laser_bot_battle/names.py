@@ -18,7 +18,7 @@ RELAY_PORT = 9091  # of the cameras' relay
 ENTRANCE_PORT = 5010  # of the page that leads to several arenas
 CAMERA_STREAM_PORT = 8090  # on a robot
 # programs that tell how they are, each on a port of its own, in this order (docs/monitoring.md)
-WATCHED = ("web", "rosbridge", "relay", "arena")
+WATCHED = ("web", "rosbridge", "relay", "arena", "overhead")
 METRICS_PORT = 9200  # of the first of them, with compose
 
 SERVER_NODE = "robots_server"
@@ -27,9 +27,11 @@ ROSAPI_NODE = "rosapi"
 RELAY_NODE = "camera_relay"
 ROSOUT_NODE = "rosout"
 POSITIONS_NODE = "arena_positions"
+OVERHEAD_NODE = "overhead_tracker"
 ADD_NEW_ROBOT = "/add_new_robot"
 GAME_STATUS = "/game_status"
 POSITIONS = "/positions"
+OVERHEAD_STATUS = "/overhead/status"
 SHOTS = "/shots"
 
 KEY_FIELD = "laserbot_key"  # of the connection header in which a robot registers: the digest of its key

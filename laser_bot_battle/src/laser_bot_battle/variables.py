@@ -124,6 +124,12 @@ def _camera_url(text: str) -> str:
     return text.rstrip("/")
 
 
+def _stream_url(text: str) -> str:
+    if not re.fullmatch(r"http://([\w.-]+|\[[0-9a-fA-F:.]+\])(:[0-9]{1,5})?(/[!-~]*)?", text, re.ASCII):
+        raise ValueError("must be http://host:port or http://host:port/path, without a user's name")
+    return text
+
+
 def _address(text: str) -> tuple[str, int]:
     address, _, port_text = text.rpartition(":")
     if not address or not re.fullmatch(r"[0-9]{1,5}", port_text) or not 1 <= int(port_text) <= MAX_FIRST_PORT:
@@ -444,6 +450,18 @@ CAMERA_URL: Variable[str] = Variable(
     _camera_url,
     "none",
 )
+OVERHEAD_CAMERA: Variable[str] = Variable(
+    "LASERBOT_OVERHEAD_CAMERA",
+    "",
+    "[the camera above the floor](overhead-camera.md), by whose pictures robots get places: where its ustreamer is, "
+    "such as `http://192.168.1.30:8090`, or the whole address of another MJPEG stream",
+    _stream_url,
+    "none",
+)
+OVERHEAD_HEIGHT = number("LASERBOT_OVERHEAD_HEIGHT", 2.5, 0.5, 20, "how high that camera is over the floor, in m")
+OVERHEAD_TAG_HEIGHT = number(
+    "LASERBOT_OVERHEAD_TAG_HEIGHT", 0.11, 0, 0.4, "how high the robots' tags are over the floor, in m"
+)
 GPIO = words("LASERBOT_GPIO", "", "GPIO device that compose gives to a robot: `/dev/gpiochip0`")
 GPIO_GROUP = words("LASERBOT_GPIO_GROUP", "", "number of the group that may use the GPIO: `getent group gpio`")
 ALIVE_FILE = words(
@@ -468,8 +486,9 @@ JOURNAL = words(
 METRICS: Variable[tuple[str, int] | None] = Variable(
     "LASERBOT_METRICS",
     None,
-    "address and port at which the web server [can be watched](monitoring.md); rosbridge, the cameras' relay and the "
-    f"arena have the next ports. `127.0.0.1:{METRICS_PORT}`: for programs on this machine only",
+    "address and port at which the web server [can be watched](monitoring.md); rosbridge, the cameras' relay, the "
+    "arena and the camera above the floor have the next ports. "
+    f"`127.0.0.1:{METRICS_PORT}`: for programs on this machine only",
     _address,
     f"none (compose: `127.0.0.1:{METRICS_PORT}`)",
 )

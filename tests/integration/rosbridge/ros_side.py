@@ -10,6 +10,7 @@ import threading
 import time
 from typing import Any
 
+import genpy
 import roslib.message
 import rospy
 
@@ -59,10 +60,19 @@ def main() -> None:
             kind = roslib.message.get_message_class(kind)
 
             def heard(message: Any, topic: str = topic) -> None:
-                say(heard=[topic, {field: getattr(message, field) for field in message.__slots__}])
+                say(heard=[topic, plain(message)])
 
             subscribers.append(rospy.Subscriber(topic, kind, heard, tcp_nodelay=True))
     rospy.signal_shutdown("the test is over")
+
+
+def plain(value: Any) -> Any:
+    """As JSON has it; times are in s."""
+    if isinstance(value, genpy.Message):
+        return {field: plain(getattr(value, field)) for field in value.__slots__}
+    if isinstance(value, genpy.Time):
+        return value.to_sec()
+    return [plain(each) for each in value] if isinstance(value, list | tuple) else value
 
 
 if __name__ == "__main__":

@@ -9,10 +9,10 @@ from server.camera.stream import Address, address_of
 @pytest.mark.parametrize(
     ("value", "address"),
     [
-        ("http://192.168.1.21:8090", Address("192.168.1.21", 8090, "")),
-        ("http://raspberrypi1.local:8090/", Address("raspberrypi1.local", 8090, "")),
-        ("http://127.0.0.1:8080/eyes/virtual0", Address("127.0.0.1", 8080, "/eyes/virtual0")),
-        ("http://[fe80::1]:80/a-b/c.d", Address("fe80::1", 80, "/a-b/c.d")),
+        ("http://192.168.1.21:8090", Address("192.168.1.21", 8090, "/stream?extra_headers=1")),
+        ("http://raspberrypi1.local:8090/", Address("raspberrypi1.local", 8090, "/stream?extra_headers=1")),
+        ("http://127.0.0.1:8080/eyes/virtual0", Address("127.0.0.1", 8080, "/eyes/virtual0/stream?extra_headers=1")),
+        ("http://[fe80::1]:80/a-b/c.d", Address("fe80::1", 80, "/a-b/c.d/stream?extra_headers=1")),
     ],
 )
 def test_an_address(value: str, address: Address) -> None:

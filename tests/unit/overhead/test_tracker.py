@@ -11,7 +11,7 @@ from laser_bot_battle.apriltag import Detection
 from laser_bot_battle.tags import FLOOR_TAG_SIZE, ROBOT_TAG_SIZE, floor_tags
 from server.overhead.motion import FULL_SPEED, Place
 from server.overhead.tracker import Tracker
-from tests.unit.overhead.cameras import SIZE, TAG_HEIGHT, Floor, OverheadCamera
+from tests.support.overhead_camera import SIZE, TAG_HEIGHT, Floor, OverheadCamera
 
 FRAME = 1 / 15  # s from one picture to the next
 ROBOTS = {1: (0.3, 0.4, 0.5), 2: (3.7, 2.0, -2.0), 3: (2.0, 1.0, math.pi)}
@@ -44,7 +44,7 @@ class Watch:
 
     @property
     def troubles(self) -> str:
-        return "; ".join(self.tracker.troubles(self.now))
+        return "; ".join(self.tracker.troubles(self.now).values())
 
 
 @pytest.fixture
@@ -157,6 +157,25 @@ def test_tags_that_lie_anywhere_are_no_floor(watch: Watch) -> None:
     assert "do not lie as planned" in watch.troubles
 
 
+def test_no_garbage_ends_the_tracker() -> None:
+    random = np.random.default_rng(5)
+    watch = Watch(OverheadCamera())
+    for scale in (1e-9, 1, 1e3, 1e9) * 5:
+        corners = random.normal(0, scale, (6, 4, 2)) * random.integers(0, 2, (6, 1, 1))
+        watch.see([Detection(200 + index, tuple(map(tuple, each)), 50.0) for index, each in enumerate(corners)], 1)  # type: ignore[arg-type]
+        watch.now += 1
+    assert not watch.tracker.knows_floor
+
+
+def test_a_pushed_camera_is_told_even_when_a_measurement_was_due(watch: Watch) -> None:
+    watch.look()
+    watch.tracker.news()
+    watch.now += 10
+    watch.camera.x += 0.1
+    watch.look(pictures=8)
+    assert "the camera has been moved" in "".join(watch.tracker.news())
+
+
 def test_a_covered_robot_is_where_its_commands_take_it_for_a_second(watch: Watch) -> None:
     watch.look()
     began, (x, y, heading) = watch.now, ROBOTS[1]
@@ -172,6 +191,13 @@ def test_a_covered_robot_is_where_its_commands_take_it_for_a_second(watch: Watch
     watch.look({**ROBOTS, 1: there}, pictures=3)
     assert watch.places.keys() == ROBOTS.keys()
     assert watch.covered == []
+
+
+def test_a_robot_is_not_covered_because_the_host_is_slow_but_when_pictures_stay_away(watch: Watch) -> None:
+    watch.look()
+    assert not any(seen.covered for seen in watch.tracker.robots(watch.now + 0.5))
+    assert all(seen.covered for seen in watch.tracker.robots(watch.now + 0.7))
+    assert not watch.tracker.robots(watch.now + 1.1)
 
 
 def test_between_pictures_a_robot_is_where_its_commands_take_it(watch: Watch) -> None:
@@ -209,7 +235,7 @@ def test_unknown_doubled_and_wrongly_printed_tags_are_told_by_number(watch: Watc
         watch.camera.tag(5, (1, 2, 0), 0.06, TAG_HEIGHT),
     ]
     watch.see(watch.camera.floor_tags() + watch.camera.robots(ROBOTS) + wrong)
-    assert set(watch.tracker.troubles(watch.now)) == {
+    assert set(watch.tracker.troubles(watch.now).values()) == {
         "tag 300 belongs to no robot and not to this floor",
         "floor tag 200 is seen 2 times: take away all but the one at its place",
         "robot tag 1 is seen 2 times: only one robot may carry it",
