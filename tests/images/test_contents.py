@@ -21,6 +21,8 @@ OTHER_PROGRAMS = {
         "python3 -m server.camera --help",
         "python3 -m server.ros.rosout --help",
         "python3 -m server.announcer --help",
+        "python3 -m server.overhead --help",
+        "python3 -c 'from server.overhead.eye import Looker; print(Looker())'",
         "python3 -m server.entrance --help",
     ],
     "rosberry": [

@@ -1,4 +1,4 @@
-"""AprilTags of the family tag36h11, by Debian's `libapriltag3`: how a tag looks, and which ones a picture shows.
+"""AprilTags of the family tag36h11, by Debian's libapriltag: how a tag looks, and which ones a picture shows.
 
 By ctypes: Debian's Python module for it is compiled for one release of NumPy, and does not load beside another. What is
 declared here of the library's structures has been the same in all releases with this soname.
@@ -122,7 +122,7 @@ def _library() -> ctypes.CDLL:
     try:
         library = ctypes.CDLL(LIBRARY)
     except OSError:
-        raise AprilTagError(f"{LIBRARY} is missing: install Debian's package libapriltag3") from None
+        raise AprilTagError(f"{LIBRARY} is missing: it comes with Debian's package python3-apriltag") from None
     for name, result, *arguments in (
         ("tag36h11_create", c_void_p),
         ("tag36h11_destroy", None, c_void_p),

@@ -55,7 +55,7 @@ def test_without_the_library_the_error_says_what_to_install(monkeypatch: pytest.
 
     apriltag._library.cache_clear()
     monkeypatch.setattr(ctypes, "CDLL", missing)
-    with pytest.raises(apriltag.AprilTagError, match="install Debian's package libapriltag3"):
+    with pytest.raises(apriltag.AprilTagError, match="it comes with Debian's package python3-apriltag"):
         apriltag.Detector(1)
 
 
