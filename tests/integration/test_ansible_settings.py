@@ -20,9 +20,10 @@ FLEET = (
     [
         (
             "master",
-            "master_hit_damage: lots\nmaster_teams: 7\nmaster_practice: true\n",
+            "master_hit_damage: lots\nmaster_teams: 7\nmaster_practice: true\nmaster_overhead_height: high\n",
             [
                 "LASERBOT_HIT_DAMAGE=lots: must be a whole number from 1 to 100",
+                "LASERBOT_OVERHEAD_HEIGHT=high: must be a number from 0.5 to 20",
                 "LASERBOT_TEAMS=7: must be 0, 2, 3 or 4",
             ],
         ),
