@@ -1,0 +1,155 @@
+"""The tracker between a camera's stream and ROS."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import requests
+from prometheus_client.parser import text_string_to_metric_families
+
+from laser_bot_battle.names import OVERHEAD_STATUS, POSITIONS, WATCHED, command_topic
+from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, RosSide
+from tests.support.documents import page, table
+from tests.support.fake_camera import FakeCamera, with_headers
+from tests.support.overhead_camera import Floor, OverheadCamera, grey_picture, jpeg_of
+from tests.support.polling import until
+from tests.support.ports import free_port
+from tests.support.programs import Program
+from tests.support.ros import RosMaster
+
+ROBOTS = {1: (0.3, 0.4, 0.5), 2: (1.3, 0.9, -2.0)}  # on the floor `battle`
+VIEW = OverheadCamera(floor=Floor(1.6, 1.2), x=0.8, y=0.6, z=2.4, focal_length=1.6)
+
+
+class Hall:
+    """A camera above the floor `battle`, the tracker, and who listens to it."""
+
+    def __init__(self, master: RosMaster) -> None:
+        self.camera = FakeCamera(rate=15)
+        self.camera.part = lambda _, __: with_headers(self.jpeg, f"Content-Length: {len(self.jpeg)}")
+        self.show(ROBOTS)
+        self.side = RosSide(master.env)
+        self.side.listen(POSITIONS, "laser_bot_battle/Positions")
+        self.side.listen(OVERHEAD_STATUS, "laser_bot_battle/OverheadStatus")
+        self.side.listen("/tf", "tf2_msgs/TFMessage")
+        self.metrics = free_port()
+        self.program = Program.python(
+            "server.overhead",
+            env={
+                **master.env,
+                "LASERBOT_OVERHEAD_CAMERA": self.camera.url,
+                "LASERBOT_OVERHEAD_HEIGHT": str(VIEW.z),
+                "LASERBOT_METRICS": f"127.0.0.1:{self.metrics - WATCHED.index('overhead')}",
+            },
+        )
+
+    def show(self, robots: dict[int, tuple[float, float, float]]) -> None:
+        """From now on, these are before the camera."""
+        self.jpeg = jpeg_of(grey_picture(VIEW.floor_tags() + VIEW.robots(robots)))
+
+    @property
+    def positions(self) -> dict[int, dict[str, Any]]:
+        """The robots of the newest message."""
+        heard = self.side.heard(POSITIONS)
+        return {one["robot"]: one for one in heard[-1]["robots"]} if heard else {}
+
+    @property
+    def status(self) -> dict[str, Any]:
+        return (self.side.heard(OVERHEAD_STATUS) or [{}])[-1]
+
+    def get(self, path: str) -> str:
+        return requests.get(f"http://127.0.0.1:{self.metrics}{path}", timeout=10).text
+
+
+@pytest.fixture(scope="module")
+def hall(ros_master: RosMaster) -> Iterator[Hall]:
+    hall = Hall(ros_master)
+    try:
+        with hall.camera:
+            until(lambda: hall.positions.keys() == ROBOTS.keys(), 20, "places of the robots")
+            yield hall
+        assert hall.program.stop() == 0
+        assert "Traceback" not in hall.program.output
+    finally:
+        hall.program.kill()
+        hall.side.close()
+
+
+def test_it_tells_ros_where_robots_are(hall: Hall) -> None:
+    for robot, (x, y, heading) in ROBOTS.items():
+        found = hall.positions[robot]
+        assert math.dist((found["x"], found["y"]), (x, y)) < 0.005
+        assert abs(math.remainder(found["heading"] - heading, math.tau)) < 0.03
+    message = hall.side.heard(POSITIONS)[-1]
+    assert (message["width"], message["height"]) == pytest.approx((1.6, 1.2))
+    assert message["walls"][:4] == pytest.approx([0, 0, 1.6, 0])
+    until(lambda: hall.status.get("places") and hall.status["robots"] == [1, 2], 10, "a status without troubles")
+    assert hall.status["troubles"] == []
+    assert hall.status["floor_tags"] == [200, 201, 202, 203, 204, 205]
+
+
+def test_the_tools_of_ros_get_transforms(hall: Hall) -> None:
+    until(lambda: hall.side.heard("/tf"), 10, "a transform")
+    one = hall.side.heard("/tf")[-1]["transforms"][0]
+    assert (one["header"]["frame_id"], one["child_frame_id"]) == ("floor", "robot1")
+    assert one["transform"]["translation"]["x"] == pytest.approx(0.3, abs=0.005)
+    assert 2 * math.asin(one["transform"]["rotation"]["z"]) == pytest.approx(0.5, abs=0.03)
+
+
+def test_a_covered_robot_moves_on_by_its_commands_and_is_marked(hall: Hall) -> None:
+    def has_moved_on(by: float) -> bool:
+        hall.side.publish(command_topic(1), COMMAND_TYPE, **FORWARD)
+        return any(one["x"] > ROBOTS[1][0] + by for one in moves_of(hall, 1))
+
+    # its picture stands still, but is a little older than the message
+    until(lambda: has_moved_on(0.0015), 10, "its commands are heard")
+    hall.show({2: ROBOTS[2]})
+
+    def is_foretold() -> bool:
+        return has_moved_on(0.01) and any(
+            status["covered"] == [1] and status["robots"] == [1, 2] for status in hall.side.heard(OVERHEAD_STATUS)
+        )
+
+    until(is_foretold, 10, "a foretold place")
+    until(lambda: hall.positions.keys() == {2}, 10, "no place any more")
+    hall.show(ROBOTS)
+    until(lambda: hall.positions.keys() == ROBOTS.keys(), 10, "it is seen again")
+
+
+def moves_of(hall: Hall, robot: int) -> list[dict[str, Any]]:
+    return [one for message in hall.side.heard(POSITIONS) for one in message["robots"] if one["robot"] == robot]
+
+
+def test_it_can_be_watched_as_the_page_says(hall: Hall) -> None:
+    told = {
+        (family.name + ("_total" if family.type == "counter" else ""), family.documentation)
+        for family in text_string_to_metric_families(hall.get("/metrics"))
+        if not family.name.startswith("process_")
+    }
+    rows = table(page("monitoring.md"), "Metrics")
+    assert told == {(row["metric"], row["what"]) for row in rows if row["program"] == "overhead"}
+    until(lambda: hall.get("/readyz") == "ok\n", 10, "it is ready")
+
+
+def test_without_its_camera_it_says_so_and_goes_on_when_it_is_back(hall: Hall) -> None:
+    hall.camera.stop()
+    try:
+        until(lambda: not hall.positions and not hall.status["places"], 10, "no places")
+        (trouble,) = hall.status["troubles"]
+        assert trouble.startswith(f"no picture of the camera above the floor ({hall.camera.url}/stream")
+        assert trouble.endswith("the camera cannot be reached")
+        assert trouble in hall.program.output
+        assert hall.get("/healthz") == "ok\n"
+        assert hall.get("/readyz") == f"{trouble}\n"
+    finally:
+        hall.camera.start()
+    until(lambda: hall.positions.keys() == ROBOTS.keys(), 10, "places of the robots")
+    assert hall.camera.requests[-1] == "GET /stream?extra_headers=1 HTTP/1.0"
+
+
+def test_without_an_address_it_says_what_to_set() -> None:
+    program = Program.python("server.overhead")
+    until(lambda: not program.running, 20, "its end")
+    assert program.process.returncode == 2
+    assert "LASERBOT_OVERHEAD_CAMERA must say where the camera above the floor is" in program.output
