@@ -20,7 +20,7 @@ FIELDS = {
     "status.podIP": "10.42.0.7",
     "status.hostIP": "192.0.2.7",
 }
-WITH_MORE = ("lan+front+monitoring", "sim+front+monitoring")
+WITH_MORE = ("lan+front+monitoring+overhead", "sim+front+monitoring")
 CASES = [
     (name, namespace, pod, container)
     for name in ("lan", "sim", "arenas", *WITH_MORE)

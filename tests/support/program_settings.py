@@ -55,7 +55,7 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.main": (WebSettings.from_env, lambda found: _ports(found, "web"), ROS),
     "server.rosbridge": (RosbridgeSettings.from_env, lambda found: _ports(found, "rosbridge"), ROS),
     "server.camera": (RelaySettings.from_env, lambda found: _ports(found, "relay"), ROS),
-    "server.overhead": (OverheadSettings.from_env, lambda found: _ports(found, "overhead"), ROS),
+    "server.overhead": (OverheadSettings.from_env, lambda found: _ports(found, "overhead") - {0}, ROS),
     "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
     "server.entrance": (EntranceSettings.from_env, lambda found: {found.port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
