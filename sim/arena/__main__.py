@@ -15,6 +15,8 @@ from sim.arena.ambient import Ambient, add_options
 from sim.arena.cameras.pages import CameraPages
 from sim.arena.link import MAX_CONNECTIONS, Link
 from sim.arena.metrics import metrics
+from sim.arena.overhead import conditions
+from sim.arena.overhead.conditions import Conditions
 from sim.arena.settings import VARIABLES, Settings
 from sim.arena.view import View
 from sim.arena.visits import ALL, Visits
@@ -27,12 +29,12 @@ SPARE_FILES = 100  # beside sockets
 _log = logging.getLogger(__name__)
 
 
-async def run(settings: Settings, light: Ambient, timecode: bool) -> None:
+async def run(settings: Settings, light: Ambient, timecode: bool, overhead: Conditions) -> None:
     """Serve, in that light, until SIGINT or SIGTERM; OSError if a port cannot be had."""
     end = signalled()
     world = World(settings.floor)
     link = Link(world, light)
-    view = View(world, CameraPages(world, light, timecode), settings.proxies)
+    view = View(world, CameraPages(world, light, timecode, overhead), settings.proxies)
     page = web.AppRunner(view.app(), access_log=None, shutdown_timeout=1.0, keepalive_timeout=KEEP_ALIVE)
     await page.setup()
     assert page.server
@@ -60,12 +62,13 @@ def main() -> int:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     add_options(parser)
+    conditions.add_options(parser)
     parser.add_argument("--timecode", action="store_true", help="what robots see carries its time, to measure delays")
     options = parser.parse_args()
     settings = read_or_exit("arena", Settings.from_env)
     configure_logging(settings.log_level)
     try:
-        asyncio.run(run(settings, Ambient.of(options), options.timecode))
+        asyncio.run(run(settings, Ambient.of(options), options.timecode, Conditions.of(options)))
     except OSError as error:
         print(f"arena: cannot listen: {error.strerror}; is another arena running?", file=sys.stderr)
         return 1

@@ -1,30 +1,8 @@
 """`python3 -m sim.arena.cameras`: paints what robots see. The arena starts it; frames come by stdin, go by stdout."""
 
-import os
-import signal
-import sys
-
+from sim.arena.cameras.painting import paint
 from sim.arena.cameras.picture import Painter
-from sim.arena.cameras.scene import Room, Scene, frame_of, read_frame
-
-NICENESS = 5  # on a machine with too few cores, the robots' processors and light come first
-
-
-def main() -> None:
-    """Answer each scene with its JPEG until stdin ends, as it does with the arena however that ends."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches the whole group; the arena ends this one
-    os.nice(NICENESS)
-    room = read_frame(sys.stdin.buffer)
-    if room is None:
-        return
-    painter = Painter(Room.decode(room))
-    try:
-        while (scene := read_frame(sys.stdin.buffer)) is not None:
-            sys.stdout.buffer.write(frame_of(painter.jpeg(Scene.decode(scene))))
-            sys.stdout.buffer.flush()
-    except BrokenPipeError:  # the arena has been killed; what Python still flushes at its end goes nowhere
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
+from sim.arena.cameras.scene import Room
 
 if __name__ == "__main__":
-    main()
+    paint(lambda room: Painter(Room.decode(room)).jpeg)

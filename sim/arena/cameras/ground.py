@@ -109,14 +109,14 @@ def _light(room: Room) -> Floats:
         weight = np.clip(1 - np.abs(middle - share) / (0.6 if share < 0.6 else 0.4), 0, 1)
         texels += weight[..., None] * np.array(code, np.float32)
     for wall in room.walls:
-        away = _distance(x, y, wall)
+        away = distance(x, y, wall)
         neon = OUTER if is_outer(wall, room) else INNER
         texels *= (1 - 0.75 * np.exp(-away / 0.012))[..., None]
         texels += (0.34 * np.exp(-away / 0.05) * (1 - np.exp(-away / 0.008)))[..., None] * np.array(neon, np.float32)
     return texels
 
 
-def _distance(x: Floats, y: Floats, wall: Wall) -> Floats:
+def distance(x: Floats, y: Floats, wall: Wall) -> Floats:
     """From each point to a wall."""
     x1, y1, x2, y2 = wall
     length2 = (x2 - x1) ** 2 + (y2 - y1) ** 2

@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import AsyncIterator
 
-from sim.arena.cameras.scene import LENGTH, MAX_FRAME, Room, Scene, frame_of
+from sim.arena.cameras.scene import LENGTH, MAX_FRAME, Scene, frame_of
 
 START_SECONDS = 20.0  # until the first picture: NumPy is loaded and textures are painted, on a slow machine
 PAINT_SECONDS = 3.0  # for each further picture; a process that takes longer is stuck
@@ -34,7 +34,7 @@ class PainterProcess:
         self._patience = START_SECONDS
 
     async def paint(self, scene: Scene) -> bytes:
-        """The JPEG of what `scene.eye` sees."""
+        """Its JPEG."""
         try:
             async with asyncio.timeout(self._patience):
                 self._writer.write(frame_of(scene.encode()))
@@ -51,18 +51,18 @@ class PainterProcess:
 
 
 @contextlib.asynccontextmanager
-async def painter_process(room: Room) -> AsyncIterator[PainterProcess]:
-    """A new process, which is gone afterwards."""
+async def painter_process(module: str, room: bytes) -> AsyncIterator[PainterProcess]:
+    """A new process of this module, which is gone afterwards. It gets `room` first."""
     try:
         process = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "sim.arena.cameras",
+            sys.executable, "-m", module,
             stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, env={**os.environ, **ENVIRONMENT},
         )  # fmt: skip
     except OSError as error:
         raise PainterError(f"it cannot be started: {error.strerror}") from None
     assert process.stdin and process.stdout
     try:
-        process.stdin.write(frame_of(room.encode()))
+        process.stdin.write(frame_of(room))
         yield PainterProcess(process.stdout, process.stdin)
     finally:
         process.stdin.close()

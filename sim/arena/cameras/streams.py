@@ -1,18 +1,17 @@
-"""The viewers of each robot's eyes: pictures are painted for them, RATE a second, and for nobody else."""
+"""The viewers of each eye: pictures are painted for them, and for nobody else."""
 
 import asyncio
 import logging
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple, NoReturn
 
-from sim.arena.ambient import Ambient
 from sim.arena.cameras.painter_process import PainterError, PainterProcess, painter_process
-from sim.arena.cameras.scene import Body, Room, Scene
+from sim.arena.cameras.scene import Body, Scene
 from sim.arena.light import BEAM_RANGE, free_distance
 from sim.arena.world import Robot, World
 
-RATE = 20  # pictures a second of each robot
 LINGER = 5.0  # s without anybody who looks until the process that paints is ended
 RETRY = 0.5  # s from the end of one such process to the next
 
@@ -26,7 +25,7 @@ class Picture(NamedTuple):
 
 @dataclass(eq=False)
 class Eye:
-    """A robot's eyes while somebody looks through them: the newest picture, and a bell for the next one."""
+    """An eye while somebody looks through it: the newest picture, and a bell for the next one."""
 
     lookers: int = 0
     picture: Picture | None = None
@@ -55,9 +54,13 @@ class Eye:
 class Streams:
     """The eyes that somebody looks through. For the event loop's thread."""
 
-    def __init__(self, world: World, ambient: Ambient, timecode: bool) -> None:
-        self._world = world
-        self._room = Room(world.floor.width, world.floor.height, world.floor.walls, ambient, timecode)
+    def __init__(
+        self, painter: str, room: bytes, rate: float, scene: Callable[[str, float, float], Scene | None]
+    ) -> None:
+        """`painter` is the module of a process that gets `room` and then scenes, `rate` a second of each eye. `scene`
+        has the eye's name, the time of the arena's clock and Unix time, both in s, and returns None once there is
+        no such eye."""
+        self._painter, self._room, self._rate, self._scene = painter, room, rate, scene
         self._eyes: dict[str, Eye] = {}
         self._wanted = asyncio.Event()
         self._lookers = 0
@@ -67,7 +70,7 @@ class Streams:
         return self._lookers
 
     def open(self, name: str) -> Eye:
-        """One more looks through the eyes of the robot `name`, until `leave` is called."""
+        """One more looks through the eye `name`, until `leave` is called."""
         eye = self._eyes.setdefault(name, Eye())
         eye.lookers += 1
         self._lookers += 1
@@ -92,10 +95,10 @@ class Streams:
         while True:
             await self._wanted.wait()
             try:
-                async with painter_process(self._room) as painters:
+                async with painter_process(self._painter, self._room) as painters:
                     await self._paint(painters)
             except PainterError as error:
-                _log.warning("the process that paints what robots see is started again: %s", error)
+                _log.warning("%s, which paints pictures, is started again: %s", self._painter, error)
                 await asyncio.sleep(RETRY)
 
     async def _paint(self, painters: PainterProcess) -> None:
@@ -104,15 +107,15 @@ class Streams:
         due = loop.time()
         while await self._is_wanted():
             for name, eye in list(self._eyes.items()):
-                if name in self._world.robots:
-                    scene = scene_of(self._world, name, loop.time(), time.time())
+                scene = self._scene(name, loop.time(), time.time())
+                if scene:
                     eye.show(Picture(scene.taken, await painters.paint(scene)))
                 else:
                     del self._eyes[name]
                     eye.close()
             if not self._eyes:
                 self._wanted.clear()
-            due = max(due + 1 / RATE, loop.time())  # pictures for which there was no time are left out
+            due = max(due + 1 / self._rate, loop.time())  # pictures for which there was no time are left out
             await asyncio.sleep(due - loop.time())
 
     async def _is_wanted(self) -> bool:
@@ -125,7 +128,7 @@ class Streams:
 
 
 def scene_of(world: World, eye: str, now: float, taken: float) -> Scene:
-    """The world as the robot `eye` sees it at `now` (s of the arena's clock), which is `taken` in Unix time."""
+    """The world as `eye` sees it at `now` (s of the arena's clock), which is `taken` in Unix time."""
     robots = tuple(_body(world, robot, now) for robot in world.robots.values())
     return Scene(eye, now, taken, robots)
 

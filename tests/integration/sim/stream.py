@@ -1,4 +1,4 @@
-"""What a robot sees, read as the relay on the master reads it."""
+"""What a robot or the camera above sees, read as programs on the master read it."""
 
 import contextlib
 import socket
@@ -10,20 +10,20 @@ from server.camera.picture import picture_of
 from tests.integration.sim.arena import HOST, Arena
 
 # as the relay asks
-REQUEST = "GET /eyes/{robot}/stream?extra_headers=1 HTTP/1.0\r\nHost: 127.0.0.1\r\nX-Laserbot-Relay: 1\r\n\r\n"
+REQUEST = "GET /{camera}/stream?extra_headers=1 HTTP/1.0\r\nHost: 127.0.0.1\r\nX-Laserbot-Relay: 1\r\n\r\n"
 
 
 class Stream:
-    """A robot's stream, read as the relay reads it."""
+    """A camera's stream, read as the relay reads it."""
 
-    def __init__(self, arena: Arena, robot: str, room: int | None = None) -> None:
-        """`room`: bytes that the kernel may keep for this reader."""
+    def __init__(self, arena: Arena, robot: str | None, room: int | None = None) -> None:
+        """None: of the camera above. `room`: bytes that the kernel may keep for this reader."""
         self._socket = socket.socket()
         if room:
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, room)
         self._socket.settimeout(20)
         self._socket.connect((HOST, arena.view_port))
-        self._socket.sendall(REQUEST.format(robot=robot).encode())
+        self._socket.sendall(REQUEST.format(camera=f"eyes/{robot}" if robot else "overhead").encode())
         head = b""
         while not head.endswith(b"\r\n\r\n"):
             head += self._socket.recv(1)

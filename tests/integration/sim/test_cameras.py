@@ -14,8 +14,7 @@ import pytest
 import requests
 from PIL import Image
 
-from sim.arena.cameras.pages import MAX_CONNECTIONS
-from sim.arena.cameras.streams import RATE
+from sim.arena.cameras.pages import MAX_CONNECTIONS, RATE
 from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.integration.sim.stream import Stream
 from tests.support.polling import until
