@@ -2,7 +2,8 @@
 .PHONY: help demo test test-all lint bench scale soak setup clean
 
 help:
-	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser'
+	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser;'
+	@echo '                               OVERHEAD=1: robots get their places by a camera above the floor'
 	@echo 'make test                      what every change must pass: 15 minutes'
 	@echo 'make test-all                  everything, including the slow tests: before a release'
 	@echo 'make lint                      style and types of the sources'
@@ -21,7 +22,7 @@ BOTS ?= 1
 
 demo:
 	@ci/setup run
-	@exec ci/demo --robots '$(ROBOTS)' --bots '$(BOTS)'
+	@exec ci/demo --robots '$(ROBOTS)' --bots '$(BOTS)' $(if $(filter-out 0,$(OVERHEAD)),--overhead)
 
 test:
 	@exec ci/test

@@ -25,8 +25,23 @@ import segno
 
 from laser_bot_battle.addresses import reachable_addresses
 from laser_bot_battle.settings import Variable, describe, read_or_exit
-from laser_bot_battle.variables import ARENA, BIND, DATA, LIGHT, OPERATOR_TOKEN, RELAY, ROS, ROSBRIDGE, ROSTER, WEB
+from laser_bot_battle.variables import (
+    ARENA,
+    BIND,
+    DATA,
+    LIGHT,
+    OPERATOR_TOKEN,
+    OVERHEAD_CAMERA,
+    OVERHEAD_HEIGHT,
+    RELAY,
+    ROS,
+    ROSBRIDGE,
+    ROSTER,
+    WEB,
+)
 from sim.arena.ambient import Ambient, add_options
+from sim.arena.overhead import conditions
+from sim.arena.overhead.conditions import Conditions
 from sim.arena.world import MAX_ROBOTS
 from sim.demo_settings import HOST, VARIABLES, Settings
 
@@ -62,8 +77,10 @@ def request(port: int, method: str, path: str, timeout: float = 1.0) -> tuple[in
 class Demo:
     """The running demo: the ROS master, roslaunch and all that it started."""
 
-    def __init__(self, robots: int, bots: int, ambient: Ambient, settings: Settings, folder: Path) -> None:
-        """`folder` is empty."""
+    def __init__(
+        self, robots: int, bots: int, light: Ambient, settings: Settings, folder: Path, *, overhead: Conditions | None
+    ) -> None:
+        """`folder` is empty. With `overhead`, robots are found by the picture of a camera above the floor."""
         self.robots, self.bots, self.bind, self.ports = robots, bots, settings.bind, settings.ports
         for number in range(robots):
             (folder / f"virtual{number}").mkdir()
@@ -73,6 +90,7 @@ class Demo:
             **({OPERATOR_TOKEN.name: settings.new_token} if settings.new_token else {}),
             **{variable: str(port) for variable, port in settings.ports.items()},
             LIGHT.name: settings.light,
+            **(self.camera(overhead) if overhead else {}),
             DATA.name: str(folder / "data"),
             # the number painted on each virtual robot is its ID
             ROSTER.name: " ".join(f"virtual{number}={number}" for number in range(robots)),
@@ -94,8 +112,14 @@ class Demo:
             f"robots:={robots}",
             f"bots:={bots}",
             f"run_dir:={folder}",
-            *([f"ambient:={ambient.options}"] if ambient.options else []),
+            *([f"ambient:={light.options}"] if light.options else []),
+            *(["overhead:=true", f"camera:={overhead.options}"] if overhead else []),
         )
+
+    def camera(self, conditions: Conditions) -> dict[str, str]:
+        """The tracker's settings."""
+        address = f"http://{HOST}:{self.ports[ARENA.name]}/overhead/stream"
+        return {OVERHEAD_CAMERA.name: address, OVERHEAD_HEIGHT.name: f"{conditions.height:g}"}
 
     def start(self, *words: str, ros_ip: str = HOST) -> subprocess.Popen[bytes]:
         """A program in Python, which writes into our log. It listens on this machine only if `ros_ip` is loopback."""
@@ -280,6 +304,10 @@ def main() -> int:
     parser.add_argument("--robots", type=count(1), default=2, help="virtual robots with the real firmware (default 2)")
     parser.add_argument("--bots", type=count(0), default=1, help="robots that a program plays (default 1)")
     add_options(parser)
+    parser.add_argument(
+        "--overhead", action="store_true", help="robots get their places by the picture of a camera above the floor"
+    )
+    conditions.add_options(parser)
     options = parser.parse_args()
     if options.bots > options.robots:
         parser.error(
@@ -293,7 +321,14 @@ def main() -> int:
     try:
         folder = empty_folder(settings.ports[WEB.name])
         say(f"Starting the battle: {counted(options.robots, 'virtual robot')}, {counted(options.bots, 'bot')} ...")
-        demo = Demo(options.robots, options.bots, Ambient.of(options), settings, folder)
+        demo = Demo(
+            options.robots,
+            options.bots,
+            Ambient.of(options),
+            settings,
+            folder,
+            overhead=Conditions.of(options) if options.overhead else None,
+        )
         demo.wait_until_ready()
         say(
             f"\nReady. Open\n"

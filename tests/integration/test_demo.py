@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import math
 import os
 import re
 import signal
@@ -11,6 +12,7 @@ import pytest
 import requests
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
+from websockets.sync.connection import Connection
 
 from tests.support.battle import PORTS, Battle
 from tests.support.demo import Demo
@@ -34,6 +36,13 @@ def refusal(program: Program) -> str:
     return program.output
 
 
+def become_operator(bridge: Connection, battle: Battle, token: str) -> None:
+    bearer = {"Authorization": f"Bearer {token}"}
+    drive = requests.get(f"{battle.web}/operator/api/drive", headers=bearer, timeout=5).json()
+    assert drive["port"] == battle.rosbridge_port
+    bridge.send(json.dumps({"op": "auth", "client": "operator", "mac": drive["ticket"]}))
+
+
 @pytest.mark.parametrize("sig", [signal.SIGTERM, pytest.param(signal.SIGHUP, marks=pytest.mark.slow)])
 def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) -> None:
     battle = Battle(robots=2, bots=1)
@@ -43,11 +52,8 @@ def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) ->
         assert f"http://localhost:{battle.web_port}" in output
         assert f"http://localhost:{battle.arena_port}" in output
         (token,) = re.findall(rf"localhost:{battle.web_port}/operator .* token (\S+)\n", output)
-        bearer = {"Authorization": f"Bearer {token}"}
-        drive = requests.get(f"{battle.web}/operator/api/drive", headers=bearer, timeout=5).json()
-        assert drive["port"] == battle.rosbridge_port
         with connect(battle.bridge) as bridge:  # rosbridge has the same token
-            bridge.send(json.dumps({"op": "auth", "client": "operator", "mac": drive["ticket"]}))
+            become_operator(bridge, battle, token)
             bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/get_time"}))
             assert json.loads(bridge.recv(timeout=10))["result"] is True
         until(lambda: players_and_free_robots(battle) == ([("Bot1", 1)], 1), 10, "one robot is a person's")
@@ -127,6 +133,29 @@ def test_robots_can_be_hit_by_the_light_of_either_rule(demo: Demo, light: str) -
     with Player(demo, "Ann") as ann, Player(demo, "Ben") as ben, Eyes(demo) as eyes:
         start(ann, ben)
         hunt_down(ann, ben, eyes, life=90)
+
+
+@pytest.mark.slow
+def test_with_a_camera_above_robots_have_the_places_that_it_sees() -> None:
+    options = ("--overhead", "--overhead-tilt=10", "--overhead-lens=-0.2", "--overhead-height=3")
+    with (
+        Battle(2, 0, *options, LASERBOT_OPERATOR_TOKEN="the hall is open") as battle,
+        Eyes(battle) as eyes,
+        connect(battle.bridge) as bridge,
+    ):
+        become_operator(bridge, battle, "the hall is open")
+        bridge.send(json.dumps({"op": "subscribe", "topic": "/positions", "type": "laser_bot_battle/Positions"}))
+
+        def places() -> dict[int, tuple[float, float]]:
+            robots = json.loads(bridge.recv(timeout=30))["msg"]["robots"]
+            return {robot["robot"]: (robot["x"], robot["y"]) for robot in robots}
+
+        until(lambda: len(places()) == 2, 30, "both robots have places")
+        found = places()
+        for number, robot in eyes.robots().items():
+            assert math.dist(found[number], (robot["x"], robot["y"])) < 0.015
+        commands = [command_line(part) for part in descendants(battle.program.process.pid)]
+        assert not any("sim.positions" in command for command in commands)
 
 
 def test_a_port_in_use_is_one_clear_line() -> None:

@@ -39,14 +39,16 @@ class DemoProgram(Program):
 
 
 class Battle:
-    """`ci/demo` with `robots` virtual robots and `bots` bots; `variables` are LASERBOT_ settings, ports too. Unless
-    they say otherwise, everybody can be hit from the start of a battle, and nobody drives before it."""
+    """`ci/demo` with `robots` virtual robots, `bots` bots and further options; `variables` are LASERBOT_ settings,
+    ports too. Unless they say otherwise, everybody can be hit from the start of a battle, and nobody drives before it.
+    """
 
-    def __init__(self, robots: int = 2, bots: int = 0, **variables: str) -> None:
+    def __init__(self, robots: int = 2, bots: int = 0, *options: str, **variables: str) -> None:
         self.ports = {variable: int(variables.get(variable) or free_port()) for variable in PORTS}
         ports = {name: str(port) for name, port in self.ports.items()}
         environment = {**ports, "LASERBOT_PROTECTION": "0", "LASERBOT_PRACTICE": "0", **variables}
-        self.program = DemoProgram(["--robots", str(robots), "--bots", str(bots)], environment, self.folder / "log")
+        words = ["--robots", str(robots), "--bots", str(bots), *options]
+        self.program = DemoProgram(words, environment, self.folder / "log")
 
     @property
     def web_port(self) -> int:

@@ -2,6 +2,7 @@
 
 import math
 import random
+import time
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
@@ -47,6 +48,7 @@ class Hall:
         self._detector = Detector(2)
         self.tracker = Tracker(floor, self.conditions.height, TAG_HEIGHT)
         self.now = 0.0
+        self.painting = self.finding = 0.0  # s of processor time for the last picture
 
     def robot(self, number: int) -> Robot:
         return self.world.robots[_name(number)]
@@ -65,8 +67,11 @@ class Hall:
 
     def look(self) -> None:
         """At a picture of now."""
+        start = time.process_time()
         picture = self._painter.picture(scene_of(self.world, "above", self.now, self.now))
+        painted = time.process_time()
         self.tracker.see(self._detector.detect(picture[0].tobytes(), WIDTH, HEIGHT), (WIDTH, HEIGHT), self.now)
+        self.painting, self.finding = painted - start, time.process_time() - painted
 
     def play(self, seconds: float, chance: random.Random | None = None, rate: float = RATE) -> Iterator[None]:
         """Robots that drive at full speed as `chance` has it, if any; gives the time before each look: the places are
