@@ -12,6 +12,7 @@ from typing import NoReturn
 import aiohttp
 
 from laser_bot_battle.announcement import NoArenaError
+from laser_bot_battle.lifecycle import first_of, live_until, signalled
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import BOT_PREFIX, Game, is_bot
 from laser_bot_battle.place import Place, find_again, locate
@@ -20,7 +21,6 @@ from sim.bot_game import RETRY, Arena, Eyes, GameError, Player, Rosbridge, Statu
 from sim.bot_mind import NEUTRAL, SKILLS, Command, Mind
 from sim.bot_paths import Paths
 from sim.bot_settings import VARIABLES, Settings, first_free
-from sim.lifecycle import first_of, live_until, signalled
 
 TICK = 0.04  # s between two commands
 HEARTBEAT = 1.0  # s between two signs of life

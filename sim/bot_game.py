@@ -9,8 +9,8 @@ from typing import Any, NoReturn
 
 import aiohttp
 
+from laser_bot_battle.geometry import Pose, Wall
 from laser_bot_battle.names import GAME_STATUS, command_topic
-from sim.arena.geometry import Pose, Wall
 from sim.bot_mind import Command
 
 RETRY = 1.0  # s between attempts to connect

@@ -11,8 +11,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from sim.arena.geometry import Point, Pose, bearing, wrap
-from sim.arena.light import free_distance
+from laser_bot_battle.geometry import Point, Pose, bearing, free_distance, wrap
 from sim.bot_paths import Paths
 
 AIM_TOLERANCE = math.radians(6)  # a robot turns 2.7 degrees in one command's time, and stops some commands late

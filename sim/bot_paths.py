@@ -4,7 +4,7 @@ import math
 from collections import deque
 from collections.abc import Sequence
 
-from sim.arena.geometry import ROBOT_RADIUS, Point, Wall, nearest_on_wall
+from laser_bot_battle.geometry import ROBOT_RADIUS, Point, Wall, nearest_on_wall
 
 CELL = 0.04  # m; the floor is searched as a grid of such squares
 CLEARANCE = ROBOT_RADIUS + 0.015  # m from walls, so that a robot that is a little off its path does not touch

@@ -14,6 +14,8 @@ from typing import NoReturn
 import aiohttp
 import rospy
 
+from laser_bot_battle.geometry import Pose
+from laser_bot_battle.lifecycle import first_of, live_until, signalled
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.master import Master, MasterWatch
 from laser_bot_battle.msg import Positions, RobotPosition
@@ -22,9 +24,7 @@ from laser_bot_battle.ros_environment import ros_environment
 from laser_bot_battle.rospy_cures import cure_rospy
 from laser_bot_battle.settings import describe, read_or_exit
 from laser_bot_battle.variables import ALIVE_FILE, ARENA, LOG_LEVEL, ROS_MASTER_URI
-from sim.arena.geometry import Pose
 from sim.bot_game import Arena, Eyes
-from sim.lifecycle import first_of, live_until, signalled
 
 VARIABLES = (ROS_MASTER_URI, ARENA, LOG_LEVEL, ALIVE_FILE)
 PERIOD = 1 / 15  # s between two messages: pages draw what moves from them

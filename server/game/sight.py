@@ -9,13 +9,13 @@ from collections import deque
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
+from laser_bot_battle.floor import ROBOT_RADIUS
 from server.game.emitter import DELAY, PULSE
 
 Point = tuple[float, float]
 Pose = tuple[float, float, float]  # x, y, heading
 Wall = tuple[float, float, float, float]  # from x, y to x, y
 
-ROBOT_RADIUS = 0.075  # the round chassis, wheels included
 # Half the cone in which a robot's light may be seen. Real emitters and their holders differ, and a robot is seen with
 # an error of some degrees: the rule is there for light from elsewhere, not for near misses.
 BEAM = math.radians(25)

@@ -7,6 +7,7 @@ import sys
 
 from aiohttp import web
 
+from laser_bot_battle.lifecycle import live_until, signalled
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.open_files import allow_files
 from laser_bot_battle.settings import describe, read_or_exit
@@ -21,7 +22,6 @@ from sim.arena.settings import VARIABLES, Settings
 from sim.arena.view import View
 from sim.arena.visits import ALL, Visits
 from sim.arena.world import World
-from sim.lifecycle import live_until, signalled
 
 KEEP_ALIVE = 5.0  # s that a connection may wait for its next request
 SPARE_FILES = 100  # beside sockets

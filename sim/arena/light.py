@@ -4,33 +4,22 @@ The receiver sees all around, so light anywhere on the chassis counts: what the 
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
-from sim.arena.geometry import (
+from laser_bot_battle.geometry import (
     ROBOT_RADIUS,
     Point,
     Pose,
     Wall,
     bearing,
+    free_distance,
     ray_to_disc,
-    ray_to_wall,
     wrap,
 )
 
 BEAM_RANGE = 0.9  # m from the emitter
 BEAM_HALF_ANGLE = math.radians(8)
 RAYS = 9  # tried across the part of the cone that covers a target; at 0.9 m at most 2 cm apart
-
-
-def free_distance(origin: Point, angle: float, walls: Iterable[Wall], robots: Iterable[Point], limit: float) -> float:
-    """How far (m, at most `limit`) a ray goes before a wall or a robot (given by its centre) ends it."""
-    direction = (math.cos(angle), math.sin(angle))
-    distance = limit
-    for wall in walls:
-        distance = min(distance, ray_to_wall(origin, direction, wall))
-    for robot in robots:
-        distance = min(distance, ray_to_disc(origin, direction, robot))
-    return distance
 
 
 def shines_on(shooter: Pose, target: Point, walls: Sequence[Wall], others: Sequence[Point]) -> bool:

@@ -12,10 +12,10 @@ from typing import Any
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
+from laser_bot_battle.geometry import ROBOT_RADIUS
 from laser_bot_battle.openings import OF_ADDRESS
 from laser_bot_battle.proxies import FORWARDED, Network, visitor
 from sim.arena.cameras.pages import CameraPages
-from sim.arena.geometry import ROBOT_RADIUS
 from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE
 from sim.arena.world import World
 

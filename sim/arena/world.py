@@ -6,8 +6,8 @@ from collections.abc import Set
 from dataclasses import dataclass, field
 
 from laser_bot_battle.floor import Floor
+from laser_bot_battle.geometry import METRES_PER_HALF_STEP, ROBOT_RADIUS, Point, Pose, nearest_on_wall, roll
 from sim.arena.carrier import Carrier
-from sim.arena.geometry import METRES_PER_HALF_STEP, ROBOT_RADIUS, Point, Pose, nearest_on_wall, roll
 from sim.arena.light import shines_on
 
 MAX_ROBOTS = 8

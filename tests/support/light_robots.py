@@ -16,11 +16,11 @@ import aiohttp
 import uvloop
 from std_msgs.msg import Empty
 
+from laser_bot_battle.lifecycle import first_of
 from laser_bot_battle.master import MasterError
 from laser_bot_battle.msg import Robot_msg
 from laser_bot_battle.names import ADD_NEW_ROBOT, command_topic, response_topic, robot_node
 from laser_bot_battle.srv import AddNewRobot
-from sim.lifecycle import first_of
 from tcpros.node import Node
 from tcpros.specs import ServiceError, TypeSpec
 

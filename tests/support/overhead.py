@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from laser_bot_battle.apriltag import Detector
 from laser_bot_battle.floor import Floor
+from laser_bot_battle.geometry import wrap
 from server.overhead.robots import Seen
 from server.overhead.tracker import Tracker
 from sim.arena.cameras.streams import scene_of
-from sim.arena.geometry import wrap
 from sim.arena.overhead.conditions import Conditions
 from sim.arena.overhead.lens import HEIGHT, WIDTH
 from sim.arena.overhead.picture import TAG_HEIGHT, Painter

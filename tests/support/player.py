@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import requests
 from websockets.sync.client import connect
 
-from sim.arena.geometry import Pose, bearing, wrap
+from laser_bot_battle.geometry import Pose, bearing, wrap
 from sim.bot_mind import Mind, Skill
 from sim.bot_paths import Paths
 from tests.support.polling import until

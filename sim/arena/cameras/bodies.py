@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from laser_bot_battle.geometry import ROBOT_RADIUS, wrap
 from sim.arena.cameras.colours import BEAM, WHITE, Colour, robot_colour
 from sim.arena.cameras.glow import Glow
 from sim.arena.cameras.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, MIDDLE_X, MIDDLE_Y, NEAR, ROWS, Camera, Floats
@@ -13,7 +14,6 @@ from sim.arena.cameras.robot_textures import LID, look_of
 from sim.arena.cameras.scene import Body
 from sim.arena.cameras.texture import Ripmap
 from sim.arena.cameras.upright import GLOW_HAZE, HAZE, Upright
-from sim.arena.geometry import ROBOT_RADIUS, wrap
 
 BASE_BOTTOM, BASE_TOP = 0.008, 0.052  # m over the floor
 TURRET_RADIUS, TURRET_TOP = 0.052, 0.105

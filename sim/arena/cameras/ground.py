@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
+from laser_bot_battle.geometry import ROBOT_RADIUS, Wall
 from sim.arena.cameras.bodies import Seen
 from sim.arena.cameras.colours import GRID, INNER, OUTER, RING
 from sim.arena.cameras.optics import CAMERA_HEIGHT, COLUMNS, FOCAL, HEIGHT, NEAR, ROWS, Camera, Floats
 from sim.arena.cameras.scene import Room
 from sim.arena.cameras.texture import planes_of
 from sim.arena.cameras.walls import is_outer
-from sim.arena.geometry import ROBOT_RADIUS, Wall
 
 FIRST = HEIGHT // 2  # row, the first below the horizon
 TEXEL = 0.004  # m; what the texture holds is blurred, and the sharp lines are drawn by themselves

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from sim.arena.geometry import EMITTER_OFFSET, Point
+from laser_bot_battle.geometry import EMITTER_OFFSET, Point
 
 Floats = NDArray[np.floating[Any]]  # float32 wherever there are many
 

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from laser_bot_battle.geometry import EMITTER_OFFSET
 from sim.arena.ambient import PRESS_PERIOD
 from sim.arena.cameras.backdrop import Backdrop
 from sim.arena.cameras.bodies import lamps, paint_robot, seen_of
@@ -17,7 +18,6 @@ from sim.arena.cameras.optics import CAMERA_HEIGHT, HEIGHT, WIDTH, Camera, Float
 from sim.arena.cameras.scene import Body, Room, Scene
 from sim.arena.cameras.timecode import paint_timecode
 from sim.arena.cameras.walls import Walls
-from sim.arena.geometry import EMITTER_OFFSET
 
 QUALITY = 80  # of the JPEG
 ONLOOKER, ONLOOKER_HEIGHT = 0.8, 0.55  # m from the floor, and over it: where the remote control is

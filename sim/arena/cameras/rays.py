@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from laser_bot_battle.geometry import Wall
 from sim.arena.cameras.optics import COLUMNS, FOCAL, NEAR, Camera, Floats
-from sim.arena.geometry import Wall
 
 FAR = 100.0  # m; the depth of what is not met
 

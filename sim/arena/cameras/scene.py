@@ -5,8 +5,8 @@ import struct
 from dataclasses import asdict, dataclass
 from typing import BinaryIO
 
+from laser_bot_battle.geometry import Point, Wall
 from sim.arena.ambient import Ambient
-from sim.arena.geometry import Point, Wall
 
 LENGTH = struct.Struct(">I")  # bytes of a frame that follow
 MAX_FRAME = 2**20  # bytes

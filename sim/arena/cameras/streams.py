@@ -7,9 +7,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple, NoReturn
 
+from laser_bot_battle.geometry import free_distance
 from sim.arena.cameras.painter_process import PainterError, PainterProcess, painter_process
 from sim.arena.cameras.scene import Body, Scene
-from sim.arena.light import BEAM_RANGE, free_distance
+from sim.arena.light import BEAM_RANGE
 from sim.arena.world import Robot, World
 
 LINGER = 5.0  # s without anybody who looks until the process that paints is ended

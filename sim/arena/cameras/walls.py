@@ -5,13 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from PIL import Image, ImageDraw
 
+from laser_bot_battle.geometry import Wall
 from sim.arena.cameras.colours import INNER, OUTER, WHITE, Colour, colour
 from sim.arena.cameras.optics import Camera, Floats
 from sim.arena.cameras.rays import FAR, meet_walls
 from sim.arena.cameras.scene import Room
 from sim.arena.cameras.texture import Ripmap, blend
 from sim.arena.cameras.upright import Upright
-from sim.arena.geometry import Wall
 
 OUTER_HEIGHT, INNER_HEIGHT = 0.19, 0.13  # m; both hide robots from each other
 TILE = 0.4  # m of wall that the texture shows: two panels

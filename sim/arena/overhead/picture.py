@@ -8,11 +8,11 @@ from PIL import Image
 
 from laser_bot_battle.apriltag import TAGS
 from laser_bot_battle.floor import Floor
+from laser_bot_battle.geometry import ROBOT_RADIUS, Wall, wrap
 from laser_bot_battle.tags import FLOOR_TAG_SIZE, ROBOT_TAG_SIZE, floor_tags
 from sim.arena.cameras.colours import INNER, OUTER, robot_colour
 from sim.arena.cameras.ground import distance
 from sim.arena.cameras.scene import Body, Scene
-from sim.arena.geometry import ROBOT_RADIUS, Wall, wrap
 from sim.arena.overhead.lens import HEIGHT, WIDTH, Floats, Lens
 from sim.arena.overhead.plates import blend, plate, ycc
 from sim.arena.overhead.room import Room

@@ -9,7 +9,7 @@ from typing import Any, Self
 
 from websockets.sync.client import connect
 
-from sim.arena.geometry import METRES_PER_HALF_STEP, TRACK
+from laser_bot_battle.geometry import METRES_PER_HALF_STEP, TRACK
 from tests.support.polling import until
 from tests.support.ports import free_port
 from tests.support.programs import Program

@@ -5,7 +5,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 
 from laser_bot_battle.floor import Floor
-from sim.arena.geometry import Point, Pose
+from laser_bot_battle.geometry import Point, Pose
 from sim.arena.world import World
 from sim.bot_mind import FAIR, NEUTRAL, Command, Mind, Skill
 from sim.bot_paths import Paths

@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from laser_bot_battle.floor import Floor
-from sim.arena.geometry import Point, Pose, Wall, bearing
+from laser_bot_battle.geometry import Point, Pose, Wall, bearing
 from sim.bot_mind import NEUTRAL, SKILLS, Command, Mind, Skill
 from sim.bot_paths import Paths
 from tests.support.floors import BATTLE_FLOOR

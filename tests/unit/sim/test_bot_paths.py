@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from sim.arena.geometry import Point
+from laser_bot_battle.geometry import Point
 from sim.bot_paths import Paths
 from tests.support.floors import BATTLE_FLOOR
 

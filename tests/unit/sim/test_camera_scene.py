@@ -4,10 +4,10 @@ import io
 
 import pytest
 
+from laser_bot_battle.geometry import Pose
 from sim.arena.ambient import Ambient
 from sim.arena.cameras.scene import Body, Room, Scene, frame_of, read_frame
 from sim.arena.cameras.streams import scene_of
-from sim.arena.geometry import Pose
 from sim.arena.world import World
 from tests.support.floors import BATTLE_FLOOR
 

@@ -5,9 +5,9 @@ import math
 import pytest
 
 from laser_bot_battle.floor import Floor
+from laser_bot_battle.geometry import METRES_PER_HALF_STEP, Pose
 from sim.arena.ambient import US, key_press
 from sim.arena.carrier import CYCLES_PER_SECOND, MARKS
-from sim.arena.geometry import METRES_PER_HALF_STEP, Pose
 from sim.arena.world import World
 
 FLOOR = Floor.of(2.0, 2.0, (), ((0.2, 0.2), (1.8, 1.8), (0.2, 1.8)))

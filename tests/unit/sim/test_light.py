@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from sim.arena.geometry import EMITTER_OFFSET, ROBOT_RADIUS, Pose
-from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE, free_distance, shines_on
+from laser_bot_battle.geometry import EMITTER_OFFSET, ROBOT_RADIUS, Pose, free_distance
+from sim.arena.light import BEAM_HALF_ANGLE, BEAM_RANGE, shines_on
 
 SHOOTER = Pose(0.0, 0.0, 0.0)
 REACH = EMITTER_OFFSET + BEAM_RANGE + ROBOT_RADIUS  # from centre to centre

@@ -3,7 +3,7 @@
 import json
 import math
 
-from sim.arena.geometry import Pose
+from laser_bot_battle.geometry import Pose
 from sim.arena.view import arena_message, state_message
 from sim.arena.world import World
 from tests.support.floors import BATTLE_FLOOR

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from laser_bot_battle.floor import Floor
-from sim.arena.geometry import METRES_PER_HALF_STEP, ROBOT_RADIUS, Pose, bearing, nearest_on_wall, wrap
+from laser_bot_battle.geometry import METRES_PER_HALF_STEP, ROBOT_RADIUS, Pose, bearing, nearest_on_wall, wrap
 from sim.arena.light import shines_on
 from sim.arena.world import MAX_JUMP, MAX_REMEMBERED, MAX_ROBOTS, ArenaError, World
 from tests.support.floors import BATTLE_FLOOR, DUEL_FLOOR

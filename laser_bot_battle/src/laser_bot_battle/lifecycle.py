@@ -1,4 +1,4 @@
-"""How the programs of sim run: until a signal, and with signs of life for health checks."""
+"""How programs whose work is asyncio run: until a signal, and with signs of life for health checks."""
 
 import asyncio
 import contextlib

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from sim.arena.geometry import (
+from laser_bot_battle.geometry import (
     METRES_PER_HALF_STEP,
     ROBOT_RADIUS,
     TRACK,

@@ -4,6 +4,7 @@ The origin is the bottom left corner, x goes right, y up; heading 0 looks along 
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from laser_bot_battle import floor
@@ -93,3 +94,14 @@ def ray_to_disc(origin: Point, direction: Point, centre: Point, radius: float = 
         return 0.0
     under_root = ahead * ahead - outside2
     return ahead - math.sqrt(under_root) if ahead > 0 and under_root >= 0 else math.inf
+
+
+def free_distance(origin: Point, angle: float, walls: Iterable[Wall], robots: Iterable[Point], limit: float) -> float:
+    """How far (m, at most `limit`) a ray goes before a wall or a robot (given by its centre) ends it."""
+    direction = (math.cos(angle), math.sin(angle))
+    distance = limit
+    for wall in walls:
+        distance = min(distance, ray_to_wall(origin, direction, wall))
+    for robot in robots:
+        distance = min(distance, ray_to_disc(origin, direction, robot))
+    return distance
