@@ -30,9 +30,11 @@ sys.path[:0] = [str(HERE.parent), str(HERE.parent / "laser_bot_battle/src")]
 
 from laser_bot_battle.arena_list import read_arenas  # noqa: E402 - the path has to be there first
 from laser_bot_battle.settings import SettingsError  # noqa: E402
+from laser_bot_battle.variables import BOT_ROBOTS  # noqa: E402
 from server.game.rules import DECLARED  # noqa: E402
 
 MADE = "made"
+ROBOTS = 2  # unless an arena says otherwise, as in overlays/sim
 PORTS = range(30000, 32768)  # what Kubernetes gives to Services
 ENTRANCE_PORT = 30505  # k3s/components/entrance
 USES = ("web", "rosbridge", "view", "relay")  # in the order of an arena's ports
@@ -180,7 +182,8 @@ def _arena(file: Path) -> Arena:
     if host is not None and (not isinstance(host, str) or not _HOST.fullmatch(host)):
         raise wrong("host must be a name such as red.arena.example")
     try:
-        settings, components = _settings(told.get("rules")), _components(told.get("components"))
+        settings = (*_settings(told.get("rules")), *_bots(told))
+        components = _components(told.get("components"))
         return Arena(file.stem, namespace, port, host or "", settings, _replicas(told), components)
     except ValueError as error:
         raise wrong(str(error)) from None
@@ -232,8 +235,16 @@ def _replicas(told: dict[str, Any]) -> tuple[tuple[str, int], ...]:
             continue
         if type(count) is not int or not lowest <= count <= 128:
             raise ValueError(f"{field} must be a whole number from {lowest} to 128")
-        found.append((workload, count))
+        found.append((workload, min(count, 1) if field == "bots" else count))  # all bots are one program's
     return tuple(found)
+
+
+def _bots(told: dict[str, Any]) -> tuple[str, ...]:
+    """The last robots are theirs: people get the first ones."""
+    robots, bots = told.get("robots", ROBOTS), told.get("bots")
+    if type(robots) is not int or type(bots) is not int:
+        return ()  # `_replicas` says what is wrong with them
+    return (f"{BOT_ROBOTS.name}={' '.join(map(str, range(max(0, robots - bots), robots)))}",)
 
 
 def _refuse_shared(arenas: Iterable[Arena], has: Callable[[Arena], Iterable[object]], what: str) -> None:

@@ -33,6 +33,7 @@ from server.store.database import Database
 from server.store.log import EventLog
 from server.store.roster import Roster, take_over_file
 from server.web.app import create_app
+from server.web.bots import BotsProgram, create_bots
 from server.web.fair_server import FairServer
 from server.web.metrics import metrics
 from server.web.operator import create_operator
@@ -91,11 +92,20 @@ def _game(program: Program, settings: Settings, listener: Listener) -> Iterator[
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
     access = Access(settings.operator_token)
-    pages = PagesProcess()
+    pages, bots = PagesProcess(), BotsProgram()
     desk = create_operator_api(
-        game, settings, access, database, log, health=health, identify=commands.identify, ask_audience=pages.tell
+        game,
+        settings,
+        access,
+        database,
+        log,
+        health=health,
+        bots=bots,
+        identify=commands.identify,
+        ask_audience=pages.tell,
     )
-    app = create_app(game, settings, create_watch(game, health), create_operator(access), desk, pages=pages)
+    more = create_watch(game, health), create_operator(access), desk, create_bots(game, bots)
+    app = create_app(game, settings, *more, pages=pages)
     web = FairServer(app, listener, channels, OwnRoutes(app).lane, settings.proxies)
     game.add_listener(Pulse(web).follow)
     game.start()

@@ -28,6 +28,7 @@ from laser_bot_battle.settings import Variable, describe, read_or_exit
 from laser_bot_battle.variables import (
     ARENA,
     BIND,
+    BOT_ROBOTS,
     DATA,
     LIGHT,
     OPERATOR_TOKEN,
@@ -91,6 +92,7 @@ class Demo:
             **{variable: str(port) for variable, port in settings.ports.items()},
             LIGHT.name: settings.light,
             **(self.camera(overhead) if overhead else {}),
+            BOT_ROBOTS.name: " ".join(str(number) for number in range(robots - bots, robots)),  # people get the first
             DATA.name: str(folder / "data"),
             # the number painted on each virtual robot is its ID
             ROSTER.name: " ".join(f"virtual{number}={number}" for number in range(robots)),
@@ -110,7 +112,6 @@ class Demo:
             "--run_id=demo",  # else it waits for another roslaunch to name the run
             str(ROOT / "sim" / "launch" / "demo.launch"),
             f"robots:={robots}",
-            f"bots:={bots}",
             f"run_dir:={folder}",
             *([f"ambient:={light.options}"] if light.options else []),
             *(["overhead:=true", f"camera:={overhead.options}"] if overhead else []),

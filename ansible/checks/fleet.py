@@ -27,6 +27,7 @@ SERVICES = {
         "laserbot-rosout",
         "laserbot-backup",
         "laserbot-front",
+        "laserbot-bots",
         "laserbot-announcer",
     ],
     "robots": ["laserbot-robot"],

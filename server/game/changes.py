@@ -65,6 +65,11 @@ def _service_changed(event: events.ServiceChanged, state: State, _at: float) -> 
         _withdraw(state, event.robot)
 
 
+@_change.register
+def _bot_chosen(event: events.BotChosen, state: State, _at: float) -> None:
+    state.bots[event.robot] = event.level
+
+
 # ---- players ----
 
 

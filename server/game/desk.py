@@ -10,6 +10,7 @@ from typing import Any
 
 from laser_bot_battle.names import Game
 from server.game import events
+from server.game.bots import LEVELS, NONE, bot_on, bots
 from server.game.events import Event
 from server.game.people import BY_OPERATOR
 from server.game.presets import of_now
@@ -140,6 +141,21 @@ def set_service(state: State, _rules: Rules, by: str, robot_id: int, in_service:
     return [events.ServiceChanged(robot_id, in_service, by), *unseated]
 
 
+def give_to_bot(state: State, rules: Rules, by: str, robot_id: int, level: str | None) -> list[Event]:
+    """Let a bot of that level drive the robot while nobody else wants it; None: take it back, and the bot is signed out
+    at once. ValueError if there is no such level."""
+    if level is not None and level not in LEVELS:
+        raise ValueError(f"bot must be one of {', '.join(LEVELS)}, or null")
+    there = bots(state, rules)
+    if state.robots.get_robot(robot_id) is None and robot_id not in there:
+        raise UnknownError(f"there is no robot {robot_id}")
+    if there.get(robot_id) == level:
+        return []
+    bot = None if level else bot_on(state, robot_id)
+    left = [events.Left(bot.name, "was signed out by the operator", by)] if bot else []
+    return [events.BotChosen(robot_id, level or NONE, by), *left]
+
+
 def sign_out(state: State, _rules: Rules, by: str, name: str) -> list[Event]:
     """Whoever plays or waits under that name."""
     left = _signed_out(state, name, by)
@@ -174,6 +190,8 @@ def take_over(state: State, _rules: Rules, saved: Mapping[str, Any]) -> list[Eve
     names = [name for name in saved.get("banned", ()) if not any(is_same_name(name, one) for one in state.banned)]
     changes: list[Event] = [events.ServiceChanged(robot, False, EARLIER) for robot in sorted(robots)]
     changes += [events.NameBanned(name, EARLIER) for name in names]
+    chosen = {int(robot): level for robot, level in saved.get("bots", {}).items()}
+    changes += [events.BotChosen(robot, chosen[robot], EARLIER) for robot in sorted(chosen.keys() - state.bots.keys())]
     if rules:
         changes.append(events.RulesChanged(rules, EARLIER))
     presets = {preset.name for preset in state.presets}

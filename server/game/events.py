@@ -363,6 +363,19 @@ class ServiceChanged:
 
 
 @dataclass(frozen=True, slots=True)
+class BotChosen:
+    """A robot is given to a bot of that level (server.game.bots), or with "" taken back."""
+
+    robot: int
+    level: str
+    by: Name
+
+    def __str__(self) -> str:
+        what = f"is for a bot ({self.level})" if self.level else "is for people only"
+        return f"robot {self.robot} {what}{signature(self.by)}"
+
+
+@dataclass(frozen=True, slots=True)
 class NameBanned:
     name: Name
     by: Name
@@ -448,6 +461,7 @@ Event = (
     | PresetSaved
     | PresetRemoved
     | ServiceChanged
+    | BotChosen
     | NameBanned
     | NameUnbanned
     | WordsChanged

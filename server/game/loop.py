@@ -153,6 +153,10 @@ class GameLoop:
         with self._event() as now:
             self._referee.take_over(saved, known_robots, now)
 
+    def bots(self) -> dict[int, str]:
+        with self._changed:
+            return self._referee.bots()
+
     def overview(self) -> dict[str, Any]:
         with self._changed:
             return self._referee.overview(self._now())

@@ -3,6 +3,7 @@
 from typing import Any
 
 from laser_bot_battle.names import robot_name
+from server.game.bots import bots
 from server.game.desk import why_no_start
 from server.game.presets import BUILT_IN
 from server.game.rules import DECLARED, Rules
@@ -23,7 +24,7 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
             "notice": snapshot.notice,
             "message": snapshot.message,
         },
-        "robots": _robots(state, now),
+        "robots": _robots(state, rules, now),
         "players": [
             {
                 "name": player.name,
@@ -65,11 +66,14 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
     }
 
 
-def _robots(state: State, now: float) -> list[dict[str, Any]]:
+def _robots(state: State, rules: Rules, now: float) -> list[dict[str, Any]]:
     """Those that are here, and those that are away but out of service."""
     callers = {robot_id: caller for caller, robot_id in state.robots.known.items()}
     ids = {robot.id for robot in state.robots} | state.robots.out_of_service
-    return [_robot(state, robot_id, callers.get(robot_id), now) for robot_id in sorted(ids)]
+    levels = bots(state, rules)
+    return [
+        {**_robot(state, robot_id, callers.get(robot_id), now), "bot": levels.get(robot_id)} for robot_id in sorted(ids)
+    ]
 
 
 def _robot(state: State, robot_id: int, caller: str | None, now: float) -> dict[str, Any]:

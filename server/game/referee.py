@@ -17,6 +17,7 @@ from laser_bot_battle.floor import Zone
 from laser_bot_battle.light_protocol import DAMAGES
 from laser_bot_battle.names import Game, client_name, is_bot
 from server.game import changes, desk, events, seats, tournament_course, tournament_desk, tournament_events, views
+from server.game.bots import bots
 from server.game.events import Event, Recorded
 from server.game.handicap import damage_with
 from server.game.overview import overview
@@ -327,6 +328,10 @@ class Referee:
         self._state.robots.remember(known_robots)
         self.operate(partial(desk.take_over, saved=saved), now)
         self.operate(lambda state, _: tournament_desk.take_over(state, saved.get("tournament") or {}), now)
+
+    def bots(self) -> dict[int, str]:
+        """The robots that are for bots, with the bots' levels."""
+        return bots(self._state, self._rules)
 
     def overview(self, now: float) -> dict[str, Any]:
         """What operators see."""

@@ -44,6 +44,7 @@ class Rules:
     hill: bool = _chosen(variables.HILL)  # seconds alone on a hill are points, and decide the battle
     pickups: float = _chosen(variables.PICKUPS)  # after which something lies at each of its places; 0: nothing does
     line_of_fire: float = _chosen(variables.LINE_OF_FIRE)  # m that a robot's light reaches; 0: hits count from anywhere
+    bots: Mapping[int, str] = field(default_factory=dict)  # their levels, by robot (server.game.bots)
     robot_timeout: float = 3.0  # within the 2 to 4 s of the manual's sweep
     robot_return: float = 10.0  # a robot's program that starts again needs 5 to 8
 

@@ -54,6 +54,7 @@ class State:
     # what operators have decided
     rules: Mapping[str, Any] = field(default_factory=dict)  # values instead of the environment's
     presets: tuple[Preset, ...] = ()
+    bots: dict[int, str] = field(default_factory=dict)  # by robot: a level, or that it is for people only
     banned: list[str] = field(default_factory=list)  # names; who is banned is not forgotten
     words: tuple[str, ...] = ()  # that names may not contain
     message: Words = ""

@@ -11,16 +11,19 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from http import HTTPStatus
 from importlib import metadata
+from types import NoneType
 from typing import Any, NoReturn
 
 from flask import Blueprint, Response, abort, g, json, jsonify, request
 
 from laser_bot_battle.names import VERSION, operator_ticket
 from server.game import desk, tournament_desk
+from server.game.bots import LEVELS
 from server.game.loop import GameLoop
 from server.game.robot_health import RobotsHealth
 from server.store.database import AwayError, Database
 from server.store.log import EventLog, as_csv, as_json
+from server.web.bots import BotsProgram
 from server.web.journal import Journals, NothingToReadError
 from server.web.operator_access import COOKIE, NAMELESS, Access, TooManyError, WrongTokenError
 from server.web.settings import Settings
@@ -47,6 +50,7 @@ def create_operator_api(
     log: EventLog,
     *,
     health: RobotsHealth,
+    bots: BotsProgram,
     identify: Callable[[int], bool],
     ask_audience: Callable[[bytes], None],
 ) -> Blueprint:
@@ -54,7 +58,7 @@ def create_operator_api(
     `ask_audience` passes a vote on to whoever counts (server.pages)."""
     api = Blueprint("operator_api", __name__, url_prefix="/operator/api")
     _add_guard(api, access)
-    _add_views(api, game, settings, database=database, log=log, health=health)
+    _add_views(api, game, settings, database=database, log=log, health=health, bots=bots)
     _add_journal(api, Journals(settings.journal) if settings.journal else None)
     _add_decisions(api, game)
     _add_identify(api, game, identify)
@@ -109,7 +113,14 @@ def _add_guard(api: Blueprint, access: Access) -> None:
 
 
 def _add_views(
-    api: Blueprint, game: GameLoop, settings: Settings, *, database: Database, log: EventLog, health: RobotsHealth
+    api: Blueprint,
+    game: GameLoop,
+    settings: Settings,
+    *,
+    database: Database,
+    log: EventLog,
+    health: RobotsHealth,
+    bots: BotsProgram,
 ) -> None:
     address = settings.database.render_as_string(hide_password=True).replace(":***@", "@")
     versions = {"laserbot": VERSION, "python": platform.python_version(), "ros": _ros_version()}
@@ -129,6 +140,7 @@ def _add_views(
                 "waiting": database.waiting,
             },
             versions={**versions, "database": database.version},
+            bots={"program": bots.state(), "levels": LEVELS},
             visitors={"one_address": one_address().found(time.monotonic())},
             operator=g.operator,
             log=log.latest(),
@@ -207,8 +219,12 @@ def _add_decisions(api: Blueprint, game: GameLoop) -> None:
 
     @api.post("/robots/<robot>")
     def robots(robot: str) -> Response:
-        change = json_body(in_service=(bool,))
-        return decide(desk.set_service, robot_id=_robot_id(robot), in_service=_needed(change, "in_service"))
+        change, robot_id = json_body(in_service=(bool,), bot=(str, NoneType)), _robot_id(robot)
+        if len(change) != 1:
+            _refuse(400, "one of in_service, bot is needed")
+        if "bot" in change:
+            return decide(desk.give_to_bot, robot_id=robot_id, level=change["bot"])
+        return decide(desk.set_service, robot_id=robot_id, in_service=change["in_service"])
 
     @api.put("/rules")
     def rules() -> Response:

@@ -27,6 +27,8 @@ VARIABLES: tuple[Variable[Any], ...] = (
     variables.PROXIES,
     *DECLARED.values(),
     variables.FLOOR,
+    variables.BOT_ROBOTS,
+    variables.BOT_LEVEL,
     variables.OPERATOR_TOKEN,
     variables.OPERATOR_TOKEN_FILE,
     variables.DATA,
@@ -81,6 +83,7 @@ class Settings:
         """Read `environ`. SettingsError for an impossible value."""
         database, arena = database_url(environ), variables.ARENA_NAME.read(environ)
         journal = variables.JOURNAL.read(environ)
+        bots = dict.fromkeys(variables.BOT_ROBOTS.read(environ), variables.BOT_LEVEL.read(environ))
         return cls(
             program=ProgramSettings.from_env(environ, variables.WEB),
             rosbridge_port=variables.ROSBRIDGE.read(environ),
@@ -92,7 +95,7 @@ class Settings:
             database=database,
             arena="" if database.drivername == "sqlite" else arena,
             roster=variables.ROSTER.read(environ),
-            rules=Rules(**{name: variable.read(environ) for name, variable in DECLARED.items()}),
+            rules=Rules(**{name: variable.read(environ) for name, variable in DECLARED.items()}, bots=bots),
             floor=read_floor(variables.FLOOR.read(environ)),
             operator_token=read_operator_token(environ),
             journal=Path(journal) if journal else None,

@@ -13,6 +13,8 @@ from tests.support.play import PLAYING, STOPPED, obeys, reconnect, shoot_to_the_
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
 
+TOKEN = "of the test in containers"
+
 
 @pytest.fixture(scope="module")
 def battle(version: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[ComposeBattle]:
@@ -24,6 +26,7 @@ def battle(version: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[C
         LASERBOT_HIT_DAMAGE="40",
         LASERBOT_COUNTDOWN="1",
         LASERBOT_FLOOR="duel",
+        LASERBOT_OPERATOR_TOKEN=TOKEN,
     ) as running:
         yield running
 
@@ -143,11 +146,16 @@ def test_after_a_crash_of_ros_everybody_finds_the_way_back(
 @pytest.mark.slow
 def test_a_bot_that_crashes_plays_again(version: str, battle: ComposeBattle) -> None:
     until(lambda: available(battle) == 2, 60, "two free robots")
-    battle.compose("up", "--detach", "--pull=never", "--no-build", "--scale", "bot1=1", "bot1")
+
+    def give_to_bot(level: str | None) -> None:
+        desk = f"{battle.web}/operator/api/robots/1"
+        assert requests.post(desk, json={"bot": level}, headers={"Authorization": f"Bearer {TOKEN}"}, timeout=5).ok
+
+    give_to_bot("easy")
     with Player(battle, "Fay") as fay:
         until(lambda: fay.user("Bot1"), 20, "the bot has signed in")
-        battle.crash("bot1")
+        battle.crash("demo-bots")
         battle.wait_until_healthy()
         assert fay.ready() == "OK"
         fay.wait_for_game(PLAYING, 60)
-    battle.compose("rm", "--stop", "--force", "bot1")
+    give_to_bot(None)

@@ -23,6 +23,7 @@ OTHER_PROGRAMS = {
         "python3 -m server.announcer --help",
         "python3 -m server.overhead --help",
         "python3 -c 'from server.overhead.eye import Looker; print(Looker())'",
+        "python3 -m server.bots --help",
         "python3 -m server.entrance --help",
     ],
     "rosberry": [
@@ -34,7 +35,7 @@ OTHER_PROGRAMS = {
         "python3 -c 'from robot.camera.settings import find_libcamera; print(find_libcamera().stat())'",
         "avrdude -c '?' -p m328p 2>&1 | grep -w arduino",
     ],
-    "sim": ["avr_robot --help", "python3 -m sim.bot --help"],
+    "sim": ["avr_robot --help", "python3 -m sim.positions --help"],
     "monitoring": ["prometheus-alertmanager --version 2>&1", "amtool --version 2>&1"],
 }
 

@@ -15,7 +15,7 @@ ROS = {"ROS_MASTER_URI": "http://master:11311", "LASERBOT_MASTER": "web"}
 
 AVR_ROBOT = ["avr_robot", "--firmware", "/opt/laserbot/firmware/laserbot.elf", "--name", "virtual0"]
 AVR_ROBOT += ["--tcp", "0.0.0.0:8082", "--arena", "arena:8081"]
-BOT = ["python3", "-m", "sim.bot", "--rosbridge", "rosbridge:9090", "--arena", "arena:8080"]
+POSITIONS = ["python3", "-m", "sim.positions", "--arena", "arena:8080"]
 
 
 class Programs:
@@ -38,7 +38,10 @@ class Programs:
         relay = self.start("webserver", platform, "relay", "python3", "-m", "server.camera")
         announcer = self.start("webserver", platform, "announcer", "python3", "-m", "server.announcer")
         rosout = self.start("webserver", platform, "rosout", "python3", "-m", "server.ros.rosout")
-        return [master, web, bridge, relay, announcer, rosout]
+        bots = self.start(
+            "webserver", platform, "bots", "python3", "-m", "server.bots", "--rosbridge", "rosbridge:9090"
+        )
+        return [master, web, bridge, relay, announcer, rosout, bots]
 
 
 @pytest.fixture
@@ -99,16 +102,16 @@ def test_a_robot_joins_the_battle_with_its_firmware_inside(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("platform", ROBOT_PLATFORMS)
-def test_the_arena_a_virtual_robot_and_a_bot_become_healthy(
+def test_the_arena_a_virtual_robot_and_who_tells_of_them_become_healthy(
     programs: Programs, platform: str, figures: list[str]
 ) -> None:
     _, web, *_ = programs.start_master("linux/amd64")
     web.wait_until_healthy()
     arena = programs.start("sim", platform, "arena")
     uart = programs.start("sim", platform, "uart", *AVR_ROBOT)
-    bot = programs.start("sim", platform, "bot", *BOT)
-    containers = [arena, uart, bot]
+    positions = programs.start("sim", platform, "positions", *POSITIONS)
+    containers = [arena, uart, positions]
     took = [container.wait_until_healthy() for container in containers]
-    figures.append(f"sim {platform}: arena, virtual robot, bot healthy after {max(took):.1f} s")
+    figures.append(f"sim {platform}: arena, virtual robot, positions healthy after {max(took):.1f} s")
     for container in containers:
         check_end(container, platform)

@@ -85,6 +85,7 @@ def test_fifty_arenas_of_five_lines_are_valid_and_the_entrance_leads_to_each(tmp
     last = manifests.within("laserbot-hall49")
     assert last.one("StatefulSet", "robot")["spec"]["replicas"] == 3
     assert last.one("Deployment", "bot")["spec"]["replicas"] == 0
+    assert settings_of(manifests, "laserbot-hall49", "master", "web").rules.bots == {}
     assert settings_of(manifests, "laserbot-hall49", "master", "web").rules.hit_damage == 20
 
 

@@ -105,7 +105,7 @@ def test_the_program_reads_every_variable_and_accepts_its_value(started: Started
 def test_an_overlay_can_say_how_a_program_logs(started: Started) -> None:
     if started.command[0] == "python3":  # the Arduino's has no log of ours
         read = {source["configMapRef"]["name"].rpartition("-")[0] for source in started.container["envFrom"]}
-        assert read & {"logging", "robot", "arena", "bot"}
+        assert read & {"logging", "robot", "arena", "positions", "bot"}
 
 
 @pytest.mark.parametrize("name", ["lan", "sim", "arenas", "lan+camera"])
@@ -192,14 +192,15 @@ def test_each_service_of_the_master_has_all_three_probes(name: str) -> None:
     for namespace in overlay(name).namespaces:
         master = overlay(name).within(namespace).one("Deployment", "master")
         containers = master["spec"]["template"]["spec"]["containers"]
-        announcer = {"announcer"} if name == "lan" else set()  # a pod's own network passes no multicast
+        # a pod's own network passes no multicast; and beside virtual robots, bots have a pod of their own
+        more = {"announcer", "bots"} if name == "lan" else set()
         assert {container["name"] for container in containers} == {
             "ros-master",
             "rosbridge",
             "web",
             "camera-relay",
             "rosout",
-        } | announcer
+        } | more
         for container in containers:
             assert {"startupProbe", "readinessProbe", "livenessProbe"} <= set(container)
 
@@ -217,7 +218,7 @@ def test_its_resources_are_bounded(started: Started) -> None:
 
 # MiB that the programs have used at most, in battles on a cluster of two nodes
 PEAKS = {"robot": 75, "arduino": 21, "web": 135, "rosbridge": 61, "ros-master": 53, "arena": 47, "bot": 51}
-PEAKS |= {"front": 31}  # in the containers of the master's pod here
+PEAKS |= {"front": 31, "positions": 54}  # in the containers of the pods here
 
 
 @also_those_of_others

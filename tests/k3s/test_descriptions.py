@@ -24,13 +24,14 @@ PROGRAMS = {
     "sim.arena": 1,
     "avr_robot": 2,
     "robot.id_service_client": 2,
-    "sim.bot": 1,
+    "server.bots": 1,
+    "sim.positions": 1,
 }
 # where multicast passes
 ANNOUNCED = {"server.announcer": 1}
-TRACKED = {"sim.positions": 1}  # needs ROS, which the image of the simulator has not
 ROSOUT = {"server.ros.rosout": 1}  # a lab's roscore, with which roslaunch is used, has one already
 FRONT = {"server.front": 1}  # needs a port of root's; in a cluster it is a component
+BOTS = {"server.bots": 1}
 MASTER_OF_A_LAN = {"server.ros.master": 1, "server.main": 1, "server.rosbridge": 1, "server.camera": 1, **ANNOUNCED}
 
 
@@ -79,7 +80,7 @@ def in_pods(manifests: Manifests, workloads: list[Object]) -> list[Start]:
 
 
 def by_roslaunch() -> list[Start]:
-    return launched("demo", "robots:=2", "bots:=1", "run_dir:=/run")
+    return launched("demo", "robots:=2", "run_dir:=/run")
 
 
 def by_compose() -> list[Start]:
@@ -100,17 +101,19 @@ def package_path(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @every_description
 def test_it_starts_every_program_and_no_other(describe: Callable[[], list[Start]]) -> None:
-    more = {**ANNOUNCED, **TRACKED} if describe is by_roslaunch else {}
+    more = ANNOUNCED if describe is by_roslaunch else {}
     assert Counter(start.program for start in describe()) == {**PROGRAMS, **more}
 
 
 @pytest.mark.parametrize(
     ("starts", "more"),
     [
-        pytest.param(lambda: launched("master"), {}, id="roslaunch"),
-        pytest.param(lambda: composed("master"), {**FRONT, **ROSOUT}, id="compose"),
+        pytest.param(lambda: launched("master"), BOTS, id="roslaunch"),
+        pytest.param(lambda: composed("master"), {**FRONT, **ROSOUT, **BOTS}, id="compose"),
         pytest.param(
-            lambda: in_pods(overlay("lan"), [overlay("lan").one("Deployment", "master")]), ROSOUT, id="kubernetes"
+            lambda: in_pods(overlay("lan"), [overlay("lan").one("Deployment", "master")]),
+            {**ROSOUT, **BOTS},
+            id="kubernetes",
         ),
     ],
 )

@@ -169,7 +169,7 @@ def test_arenas_differ_in_nothing_but_namespace_and_ports() -> None:
 
     def neutral(namespace: str) -> str:
         text = str(both.within(namespace).objects).replace(namespace, "NAMESPACE")
-        text = re.sub(r"(settings|logging|arena|robot|bot)-[a-z0-9]{10}", r"\1", text)
+        text = re.sub(r"(settings|logging|arena|positions|robot|bot)-[a-z0-9]{10}", r"\1", text)
         return re.sub(r"\b3\d{4}\b", "PORT", text)
 
     assert neutral(names[0]) == neutral(names[1])

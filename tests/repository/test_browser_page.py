@@ -25,6 +25,7 @@ from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.protocol import Client
 from server.store.results import Results
+from server.web.bots import BotsProgram, create_bots
 from server.web.settings import Settings
 from server.web.watch import create_watch
 from tcpros.clock import Clock
@@ -45,7 +46,8 @@ class Story:
         for number in range(3):
             add_linked_robot(self.battle, f"/id_service_client_raspberrypi{number + 1}")
         settings = Settings.from_env({})
-        self.app = whole_site(self.battle, settings, create_watch(self.battle, RobotsHealth()))
+        bots = create_bots(self.battle, BotsProgram(lambda: self.now))
+        self.app = whole_site(self.battle, settings, create_watch(self.battle, RobotsHealth()), bots)
         self.gate, self.drivers, self.graph, self.types = Gate(""), Drivers(), Graph(), Types()
         self._browsers: dict[str, FlaskClient] = {}
         self._clients: dict[str, Client] = {}

@@ -11,6 +11,7 @@ from server.game.robot_health import RobotsHealth
 from server.game.rules import Rules
 from server.store.database import Database
 from server.store.log import EventLog
+from server.web.bots import BotsProgram
 from server.web.operator import create_operator
 from server.web.operator_access import Access
 from server.web.operator_api import create_operator_api
@@ -33,6 +34,7 @@ def test_the_page_has_every_route_and_no_other() -> None:
             database,
             EventLog(database),
             health=RobotsHealth(),
+            bots=BotsProgram(),
             identify=lambda _: True,
             ask_audience=lambda _: None,
         )

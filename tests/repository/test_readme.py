@@ -50,6 +50,7 @@ def test_compose_takes_every_variable_of_the_table_but_those_that_are_marked() -
         ("camera-relay", "server.camera"),
         ("rosout", "server.ros.rosout"),
         ("front", "server.front"),
+        ("bots", "server.bots"),
         ("announcer", "server.announcer"),
         ("overhead", "server.overhead"),
         ("entrance", "server.entrance"),

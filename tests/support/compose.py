@@ -14,12 +14,12 @@ from tests.support.programs import ROOT
 
 
 class ComposeBattle:
-    """`docker compose --profile demo up`, without the bots; what tests.support.battle.Battle is to `make demo`.
+    """`docker compose --profile demo up`, with no robot for bots; what tests.support.battle.Battle is to `make demo`.
 
     `platforms` names the services that are emulated, `variables` are LASERBOT_ settings.
     """
 
-    def __init__(self, folder: Path, platforms: Mapping[str, str], bots: int = 0, **variables: str) -> None:
+    def __init__(self, folder: Path, platforms: Mapping[str, str], **variables: str) -> None:
         self.web_port, self.rosbridge_port, self.relay_port, self.arena_port = (free_port() for _ in range(4))
         self.web = f"http://127.0.0.1:{self.web_port}"
         self.bridge = f"ws://127.0.0.1:{self.rosbridge_port}"
@@ -30,6 +30,7 @@ class ComposeBattle:
             "LASERBOT_ROSBRIDGE_PORT": str(self.rosbridge_port),
             "LASERBOT_RELAY_PORT": str(self.relay_port),
             "LASERBOT_ARENA_PORT": str(self.arena_port),
+            "LASERBOT_BOT_ROBOTS": "",
             **variables,
         }
         services = {
@@ -40,7 +41,6 @@ class ComposeBattle:
         # not the operator's own settings beside compose.yaml
         self._options = ["--env-file=/dev/null", "--project-name", f"laserbot-test-{os.getpid()}"]
         self._options += ["--file", str(ROOT / "compose.yaml"), "--file", str(override)]
-        self._bots = bots
 
     def compose(self, *words: str) -> str:
         result = subprocess.run(
@@ -83,7 +83,7 @@ class ComposeBattle:
 
     def __enter__(self) -> Self:
         try:
-            self.compose("up", "--detach", "--pull=never", "--no-build", "--scale", f"bot1={self._bots}")
+            self.compose("up", "--detach", "--pull=never", "--no-build")
             self.wait_until_healthy(120)
         except AssertionError:
             self.__exit__()

@@ -40,12 +40,18 @@ class Demo(Battle):
         """Rules as the desk has them, such as countdown=1, until the end of the test."""
         self._operate("PUT", "rules", **rules)
 
+    def give_to_bot(self, robot: int, level: str | None = "hard") -> None:
+        """Until the end of the test; None: take it back."""
+        self._operate("POST", f"robots/{robot}", bot=level)
+
     def tidy(self) -> None:
         """Nobody plays, waits or is banned, no tournament is open, all robots stand ready, and the rules are those of
         the start."""
         state: dict[str, Any] = until(self._state, 30, "the desk answers")
         if state["game"]["state"] != "stopped":
             self._operate("POST", "battle", action="abort")
+        for robot in state["robots"]:
+            self.give_to_bot(robot["id"], None)
         for one in [*state["players"], *state["queue"]]:
             self._operate("POST", f"players/{one['name']}/sign_out")
         for name in state["names"]["banned"]:

@@ -13,8 +13,8 @@ import requests
 from websockets.sync.client import connect
 
 from laser_bot_battle.geometry import Pose, bearing, wrap
-from sim.bot_mind import Mind, Skill
-from sim.bot_paths import Paths
+from server.bots.mind import Mind, Skill
+from server.bots.paths import Paths
 from tests.support.polling import until
 
 SWEEP = math.radians(30)  # off the prey: the light is on

@@ -9,6 +9,7 @@ from robot.camera.settings import VARIABLES as CAMERA
 from robot.camera.settings import CameraSettings
 from robot.settings import Settings as RobotSettings
 from server.announcer.settings import Settings as AnnouncerSettings
+from server.bots.settings import Settings as BotSettings
 from server.camera.settings import Settings as RelaySettings
 from server.entrance.settings import Settings as EntranceSettings
 from server.front.settings import FrontSettings
@@ -18,7 +19,7 @@ from server.rosbridge.settings import Settings as RosbridgeSettings
 from server.store.location import database_url
 from server.web.settings import Settings as WebSettings
 from sim.arena.settings import Settings as ArenaSettings
-from sim.bot_settings import Settings as BotSettings
+from sim.positions import read_settings as read_positions_settings
 
 
 class Recorder(Mapping[str, str]):
@@ -59,6 +60,8 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
     "server.front": (FrontSettings.from_env, lambda found: {found.http_port, found.https_port}, set()),
     "server.entrance": (EntranceSettings.from_env, lambda found: {found.port}, set()),
     "server.announcer": (AnnouncerSettings.from_env, lambda _: set(), set()),
+    "sim.positions": (read_positions_settings, lambda _: set(), ROS),
+    "server.bots": (BotSettings.read, lambda _: set(), set()),
     "server.store": (lambda environ: (database_url(environ), BACKUPS.read(environ)), lambda _: set(), set()),
     "robot.id_service_client": (RobotSettings.from_env, lambda _: set(), ROS),
     "robot.camera": (
@@ -67,7 +70,6 @@ READERS: dict[str, tuple[Reader, Callable[[Any], set[int]], set[str]]] = {
         {variable.name for variable in CAMERA},
     ),
     "sim.arena": (ArenaSettings.from_env, lambda found: {found.view_port, found.link_port}, set()),
-    "sim.bot": (BotSettings.read, lambda _: set(), set()),
 }
 
 

@@ -57,6 +57,13 @@ def _roster(text: str) -> dict[str, int]:
     return fixed
 
 
+def _robot_ids(text: str) -> tuple[int, ...]:
+    found = [word for word in re.split(r"[\s,]+", text) if word]
+    if not all(re.fullmatch(r"[0-9]{1,3}", word) and int(word) in ROBOT_IDS for word in found):
+        raise ValueError(f"must be IDs of robots, from 0 to {ROBOT_IDS[-1]}, with spaces between")
+    return tuple(dict.fromkeys(map(int, found)))
+
+
 def _gpio(text: str) -> int | None:
     if text == "none":
         return None
@@ -240,7 +247,16 @@ FLOOR: Variable[str] = Variable(
     "`battle`",
     pattern=rf"((?i:{'|'.join(NAMES)})|.*/.*|.*[.]json)",
 )
-BOT_LEVEL = choice("LASERBOT_BOT_LEVEL", "easy", ("easy", "fair", "hard"), "how good the bots are")
+BOT_ROBOTS: Variable[tuple[int, ...]] = Variable(
+    "LASERBOT_BOT_ROBOTS",
+    (),
+    "robots that [bots](operator.md#bots) drive while nobody else wants them, by their IDs: `2 3`; operators may "
+    "decide otherwise. `make demo` has `BOTS` instead",
+    _robot_ids,
+    "none",
+    pattern=r"([0-9]{1,3}([\s,]+|$))*",
+)
+BOT_LEVEL = choice("LASERBOT_BOT_LEVEL", "easy", ("easy", "fair", "hard"), "how good these bots are")
 HIT_DAMAGE = whole("LASERBOT_HIT_DAMAGE", 10, 1, 100, "life (of 100) that a hit takes")
 LIGHT = choice(
     "LASERBOT_LIGHT",

@@ -22,6 +22,7 @@ class LanMaster:
             **NOTHING_GIVEN,
             "PYTHONPATH": f"{ROOT}:{ROOT / 'build/python'}",
             "LASERBOT_ARENA": arena,
+            "LASERBOT_BOT_ROBOTS": "0",  # for tests that have bots
             "LASERBOT_SEAT_TIMEOUT": "5",  # a player's session ends with the address at which it was given
             "LASERBOT_DATA": str(folder / f"data-{arena}"),
             "ROS_MASTER_URI": "http://localhost:11311",

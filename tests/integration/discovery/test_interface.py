@@ -15,7 +15,7 @@ PROGRAMS = (
     "robot.id_service_client",
     "robot.camera",
     "robot.find",
-    "sim.bot",
+    "server.bots",
 )
 
 

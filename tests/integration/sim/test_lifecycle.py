@@ -12,9 +12,9 @@ from tests.support.programs import Program
 PORTS = ("LASERBOT_WEB_PORT", "LASERBOT_ARENA_PORT", "LASERBOT_ARENA_LINK_PORT")
 
 
-@pytest.mark.parametrize("module", ["sim.arena", "sim.bot"])
+@pytest.mark.parametrize("module", ["sim.arena", "server.bots"])
 def test_a_working_program_renews_its_file(module: str, tmp_path: Path) -> None:
-    """A bot works without a server, too: it waits."""
+    """That of the bots works without a server, too: it waits."""
     file = tmp_path / "alive"
     env = {"LASERBOT_ALIVE_FILE": str(file), "LASERBOT_MASTER": HOST, "LASERBOT_BIND": HOST}
     program = Program.python(module, env={**env, **{port: str(free_port()) for port in PORTS}})

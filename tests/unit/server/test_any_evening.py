@@ -165,6 +165,10 @@ class Evening(RuleBasedStateMachine):
     def operator_sets_service(self, robot: int, in_service: bool) -> None:
         self.operate(desk.set_service, robot_id=robot, in_service=in_service)
 
+    @rule(robot=ROBOTS, level=st.sampled_from([None, "easy", "hard"]))
+    def operator_gives_to_bot(self, robot: int, level: str | None) -> None:
+        self.operate(desk.give_to_bot, robot_id=robot, level=level)
+
     @rule(name=NAMES, wish=st.sampled_from([desk.sign_out, desk.ban, desk.unban]))
     def operator_signs_out_or_bans(self, name: str, wish: Callable[..., Any]) -> None:
         self.operate(wish, name=name)

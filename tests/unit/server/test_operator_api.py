@@ -18,6 +18,7 @@ from server.game.robot_health import RobotsHealth
 from server.game.rules import DECLARED, Rules
 from server.store.database import Database
 from server.store.log import EventLog
+from server.web.bots import BotsProgram, create_bots
 from server.web.one_address import MANY
 from server.web.operator import create_operator
 from server.web.operator_access import MAX_SESSIONS, SESSION_LIFE, Access
@@ -53,6 +54,7 @@ class Site:
         self.database.open()
         self.log = EventLog(self.database)
         self.health = RobotsHealth(clock=lambda: self.now)
+        self.bots = BotsProgram(clock=lambda: self.now)
         self.deaf: set[int] = set()  # robots where nobody listens to what they are asked
         self.identified: list[int] = []
         self.asked: list[bytes] = []  # what was passed on to who counts votes
@@ -71,10 +73,13 @@ class Site:
             self.database,
             self.log,
             health=self.health,
+            bots=self.bots,
             identify=self.identify,
             ask_audience=self.asked.append,
         )
-        self.app = whole_site(self.game, Settings.from_env({}), create_operator(access), api)
+        self.app = whole_site(
+            self.game, Settings.from_env({}), create_operator(access), api, create_bots(self.game, self.bots)
+        )
         self.app.jinja_loader = DictLoader(PAGES)
 
     def identify(self, robot_id: int) -> bool:
@@ -354,7 +359,8 @@ IMPOSSIBLE: dict[tuple[str, str], list[dict[str, Any]]] = {
         {"words": [["x"]]}, {"words": [""]}, {"words": [" "]}, {"words": ["x" * 33]}, {"words": ["a\nb"]},
         {"words": ["\ud800"]}, {"words": ["x"] * 1001},
     ],
-    ("POST", "robots/0"): [{}, {"in_service": 0}, {"in_service": "false"}, {"in_service": None}, {"out": True}],
+    ("POST", "robots/0"): [{}, {"in_service": 0}, {"in_service": "false"}, {"in_service": None}, {"out": True},
+        {"bot": "best"}, {"bot": ""}, {"bot": 1}, {"bot": ["easy"]}, {"bot": "easy", "in_service": True}],
     ("PUT", "rules"): [
         {"hit_damage": 0}, {"hit_damage": 101}, {"hit_damage": 10.5}, {"hit_damage": "10"}, {"hit_damage": True},
         {"hit_damage": [1]}, {"practice": 1}, {"practice": "true"}, {"countdown": 0}, {"countdown": float("nan")},
@@ -493,6 +499,42 @@ def test_a_thousand_words_of_any_script_fit(site: Site) -> None:
     words = [f"{number:04}" + "語" * 28 for number in range(1000)]
     done(site.operator().post("/operator/api/names", json={"words": words}))
     assert site.state["names"]["words"] == words
+
+
+def test_a_robot_is_given_to_a_bot_and_taken_back(site: Site) -> None:
+    operator, bots = site.operator(), site.browser()
+    state = operator.get("/operator/api/state").json
+    assert state["bots"] == {"program": "absent", "levels": ["easy", "fair", "hard"]}
+    assert json.loads(bots.post("/bots", data={"sees": "1"}).text) == {"status": "OK", "robots": {}}
+    done(operator.post("/operator/api/robots/1", json={"bot": "fair"}))
+    assert json.loads(bots.post("/bots", data={"sees": "1"}).text) == {"status": "OK", "robots": {"1": "fair"}}
+    site.game.sign_up("Bot1", "session of Bot1", 0, wanted=1)
+    state = operator.get("/operator/api/state").json
+    assert [(robot["bot"], robot["player"]) for robot in state["robots"]] == [
+        (None, None),
+        ("fair", "Bot1"),
+        (None, None),
+    ]
+    assert state["bots"]["program"] == "ready"
+    done(operator.post("/operator/api/robots/1", json={"bot": None}))
+    state = operator.get("/operator/api/state").json
+    assert (state["robots"][1]["bot"], state["robots"][1]["player"]) == (None, None)
+
+
+def test_the_desk_knows_bots_that_see_nothing_and_those_that_are_gone(site: Site) -> None:
+    bots = site.browser()
+
+    def after(seconds: int, sees: str) -> str:
+        for _ in range(seconds):
+            site.now += 1
+            bots.post("/bots", data={"sees": sees})
+        return str(site.bots.state())
+
+    assert after(3, "0") == "ready", "they may have just begun to look"
+    assert after(5, "0") == "blind"
+    assert after(1, "1") == "ready"
+    site.now += 6
+    assert site.bots.state() == "absent"
 
 
 def test_a_robot_goes_out_of_service_and_back(site: Site) -> None:
@@ -637,11 +679,11 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     state = site.operator().get("/operator/api/state").json
     assert state.keys() == {
         "time", "game", "robots", "players", "queue", "rules", "presets", "names", "tournament", "database", "versions",
-        "visitors", "operator", "log", "has_journal",
+        "visitors", "operator", "log", "has_journal", "bots",
     }  # fmt: skip
     assert state["game"].keys() == {"state", "paused", "why_no_start", "time_left", "battle", "notice", "message"}
     assert state["robots"][0].keys() >= {
-        "id", "name", "player", "offered_to", "in_service", "ping_age", "linked", "health",
+        "id", "name", "player", "offered_to", "in_service", "ping_age", "linked", "health", "bot",
     }  # fmt: skip
     assert state["players"][0].keys() == {
         "name", "robot", "life", "ready", "avatar", "team", "shots", "hits", "kills", "seat_left", "page_age",

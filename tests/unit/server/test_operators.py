@@ -32,6 +32,61 @@ def take(match, name: str) -> Verdict:
     return match.referee.take_offer(match.session(name), match.now)[0]
 
 
+# bots
+
+
+def for_bots(match) -> dict[int, str]:
+    return match.referee.bots()
+
+
+def test_a_robot_is_for_bots_as_configured_until_an_operator_decides(new_match):
+    match = new_match(robots=4, rules=Rules(bots={2: "easy", 3: "easy"}))
+    assert for_bots(match) == {2: "easy", 3: "easy"}
+    operate(match, desk.give_to_bot, robot_id=3, level=None)
+    operate(match, desk.give_to_bot, robot_id=2, level="hard")
+    operate(match, desk.give_to_bot, robot_id=0, level="fair")
+    assert for_bots(match) == {2: "hard", 0: "fair"}
+    assert [robot["bot"] for robot in match.referee.overview(match.now)["robots"]] == ["fair", None, "hard", None]
+    match.restart()
+    assert for_bots(match) == {2: "hard", 0: "fair"}
+
+
+def test_a_robot_that_is_taken_back_loses_its_bot_at_once_but_no_person(match):
+    operate(match, desk.give_to_bot, robot_id=0, level="easy")
+    operate(match, desk.give_to_bot, robot_id=1, level="easy")
+    match.sign_up("Bot1", "ada")
+    operate(match, desk.give_to_bot, robot_id=0, level="hard")
+    assert {player.name for player in match.state.players} == {"Bot1", "ada"}, "another level is for the same bot"
+    operate(match, desk.give_to_bot, robot_id=0, level=None)
+    operate(match, desk.give_to_bot, robot_id=1, level=None)
+    assert [player.name for player in match.state.players] == ["ada"]
+    texts = [str(recorded.event) for recorded in match.referee.take_journal()]
+    assert texts[-3:] == [
+        "robot 0 is for people only (by Ann)",
+        "Bot1 was signed out by the operator (by Ann)",
+        "robot 1 is for people only (by Ann)",
+    ]
+
+
+def test_a_person_who_waits_gets_a_bots_robot_also_when_it_was_given_by_the_operator(new_match):
+    match = new_match(robots=2)
+    for robot in (0, 1):
+        operate(match, desk.give_to_bot, robot_id=robot, level="easy")
+    match.sign_up("Bot1", "Bot2")
+    join(match, "ada")
+    assert queue(match) == [("ada", 1)]
+    assert [player.name for player in match.state.players] == ["Bot1"]
+    assert for_bots(match) == {0: "easy", 1: "easy"}, "the bot may come back when nobody wants the robot"
+
+
+def test_what_is_no_robot_or_no_level_is_for_no_bot(match):
+    with pytest.raises(desk.UnknownError, match="there is no robot 9"):
+        operate(match, desk.give_to_bot, robot_id=9, level="easy")
+    with pytest.raises(ValueError, match="bot must be one of easy, fair, hard, or null"):
+        operate(match, desk.give_to_bot, robot_id=0, level="")
+    assert for_bots(match) == {}
+
+
 # pause
 
 
@@ -417,7 +472,7 @@ def test_a_place_at_the_head_of_the_queue_outlives_the_program(new_match):
 def test_the_state_of_an_older_program_is_understood(match):
     match.start("ada", "bob")
     saved = match.referee.saved(match.now)
-    for news in ("paused", "out_of_service", "rules", "presets", "banned", "words", "message"):
+    for news in ("paused", "out_of_service", "rules", "presets", "banned", "words", "message", "bots"):
         del saved[news]
     before = match.state
     match.referee.saved = lambda now: saved
@@ -443,6 +498,7 @@ def test_what_an_earlier_program_knew_comes_to_light_late(match):
         partial(desk.set_words, by="Ann", words=["bad"]),
         partial(desk.set_service, by="Ann", robot_id=3, in_service=False),
         partial(desk.change_rules, by="Ann", changes={"hit_damage": 25}),
+        partial(desk.give_to_bot, by="Ann", robot_id=2, level="hard"),
     ):
         match.referee.operate(wish, match.now)
     saved = json.loads(json.dumps(match.referee.saved(match.now)))
@@ -452,6 +508,7 @@ def test_what_an_earlier_program_knew_comes_to_light_late(match):
     after = late.saved(50.0)
     assert after["banned"] == ["mallory", "eve"]
     assert (after["words"], after["out_of_service"], after["rules"]) == (["bad"], [3], {"hit_damage": 25})
+    assert after["bots"] == {"2": "hard"}
     assert late.add_robot("/away", 51.0) == 9
     late.take_over(saved, {}, 52.0)
     assert late.saved(52.0)["banned"] == ["mallory", "eve"], "once"

@@ -128,6 +128,8 @@ def test_every_event_survives_json(match):
         events.PresetSaved("ours", {"hit_damage": 5, "idle": None}, "Ann"),
         events.PresetRemoved("ours", "Ann"),
         events.ServiceChanged(2, False, "Ann"),
+        events.BotChosen(2, "easy", "Ann"),
+        events.BotChosen(2, "", "Ann"),
         events.NameBanned("eve", "Ann"),
         events.NameUnbanned("eve", "Ann"),
         events.WordsChanged(("damn",), "Ann"),

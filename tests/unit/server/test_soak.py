@@ -56,11 +56,11 @@ def test_a_row_that_nothing_needs_is_found(url, statement, found):
 
 
 def test_what_a_part_has_left_over_is_found_by_its_name():
-    quiet = {"server.main": Counts(1, 20, 50), "sim.bot": Counts(2, 2, 20)}
+    quiet = {"server.main": Counts(1, 20, 50), "server.bots": Counts(2, 2, 20)}
     assert not leaks(quiet, {**quiet, "server.main": Counts(1, 21, 50 + MORE_FILES)})
-    assert leaks(quiet, {"server.main": Counts(1, 40, 50), "sim.bot": Counts(3, 3, 30)}) == [
+    assert leaks(quiet, {"server.main": Counts(1, 40, 50), "server.bots": Counts(3, 3, 30)}) == [
+        "server.bots: 2 processes became 3",
         "server.main: 20 threads became 40",
-        "sim.bot: 2 processes became 3",
     ]
     assert leaks(quiet, {**quiet, "server.main": Counts(1, 20, 51 + MORE_FILES)}) == [
         f"server.main: 50 open files became {51 + MORE_FILES}"

@@ -1,4 +1,6 @@
-"""A battle without robots, server or real time: minds command, wheels turn as the firmware turns them."""
+"""A battle without robots, server or real time: minds command, wheels turn as the firmware turns them.
+
+Players see only what /positions tells now and then, a moment late."""
 
 import random
 from collections import deque
@@ -6,13 +8,17 @@ from collections.abc import Callable, Mapping
 
 from laser_bot_battle.floor import Floor
 from laser_bot_battle.geometry import Point, Pose
+from server.bots.game import Floor as SeenFloor
+from server.bots.game import Positions
+from server.bots.mind import FAIR, NEUTRAL, Command, Mind, Skill
+from server.bots.paths import Paths
+from server.bots.sight import OwnWay, Sight
 from sim.arena.world import World
-from sim.bot_mind import FAIR, NEUTRAL, Command, Mind, Skill
-from sim.bot_paths import Paths
 from tests.support.floors import BATTLE_FLOOR
 
 TICK = 0.04  # s between two commands
-LATE_TICKS = 2  # from the arena's state to wheels that obey
+LATE_TICKS = 1  # from a command to wheels that obey, and from where robots are to the message of it
+SEEN_TICKS = 5  # between two messages
 SPEED = 1024  # half-steps/s
 CURVE = 0.7
 PULSE = 0.5  # s
@@ -50,6 +56,9 @@ class Duel:
         self._players = players
         self._wheels = dict.fromkeys(players, (0.0, 0.0))
         self._pending = {number: deque([NEUTRAL] * LATE_TICKS) for number in players}
+        self._sight, self._told = Sight(), deque[Positions](maxlen=LATE_TICKS + 1)
+        self._ways = {number: OwnWay() for number in players}
+        self._ticks = 0
         for number in players:
             self.world.arrive(f"virtual{number}")
             self.world.turn_wheels(f"virtual{number}", 0, 0)
@@ -67,14 +76,26 @@ class Duel:
         """Let time pass; returns the time at which `until` became true, or the time after `seconds`."""
         end = self.now + seconds
         while self.now < end and not until():
-            poses = {number: self.pose(number) for number in self._players}
+            self._look()
             for number, player in self._players.items():
-                others = {other: pose.point for other, pose in poses.items() if other != number}
-                self._pending[number].append(player(self.now, poses[number], others))
+                seen = self._sight.seen(number, self.now)
+                assert seen
+                others = {other: point for other, point in self._sight.points(self.now).items() if other != number}
+                command = player(self.now, self._ways[number].since(*seen, self.now), others)
+                self._ways[number].commanded(self.now, command)
+                self._pending[number].append(command)
                 self._obey(number, self._pending[number].popleft())
             self.world.update_light()
             self.now += TICK
         return self.now
+
+    def _look(self) -> None:
+        floor = self.world.floor
+        seen = SeenFloor(floor.width, floor.height, tuple(floor.walls))
+        self._told.append(Positions(seen, {number: self.pose(number) for number in self._players}))
+        if self._ticks % SEEN_TICKS == 0:
+            self._sight.see(self.now, self._told[0])
+        self._ticks += 1
 
     def _obey(self, number: int, command: Command) -> None:
         name = f"virtual{number}"

@@ -1,4 +1,4 @@
-"""Paths around the walls of the arena, for the bot. Pure."""
+"""Paths around the walls of the arena, for a bot. Pure."""
 
 import math
 from collections import deque
@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from laser_bot_battle.geometry import ROBOT_RADIUS, Point, Wall, nearest_on_wall
 
-CELL = 0.04  # m; the floor is searched as a grid of such squares
+CELL = 0.04  # m; the floor is searched as a grid of such squares, larger ones on a large floor:
+MOST_CELLS = 15_000  # a search takes 20 ms then
 CLEARANCE = ROBOT_RADIUS + 0.015  # m from walls, so that a robot that is a little off its path does not touch
 PROBE = 0.02  # m between the checked points of a straight line
 
@@ -19,8 +20,9 @@ class Paths:
 
     def __init__(self, width: float, height: float, walls: Sequence[Wall]) -> None:
         self.walls = tuple(walls)
-        cells = [(i, j) for i in range(int(width / CELL)) for j in range(int(height / CELL))]
-        self._free = {cell for cell in cells if self.has_room(_centre(cell))}
+        self._cell = max(CELL, math.sqrt(width * height / MOST_CELLS))
+        cells = [(i, j) for i in range(int(width / self._cell)) for j in range(int(height / self._cell))]
+        self._free = {cell for cell in cells if self.has_room(self._centre(cell))}
 
     def has_room(self, point: Point) -> bool:
         """Whether a robot can stand there with some clearance."""
@@ -28,7 +30,7 @@ class Paths:
 
     def places(self) -> list[Point]:
         """Points all over the floor at which a robot can stand."""
-        return [_centre(cell) for cell in sorted(self._free)]
+        return [self._centre(cell) for cell in sorted(self._free)]
 
     def next_point(self, start: Point, goal: Point) -> Point:
         """Where to drive straight to from `start` on a path to `goal`: `goal` itself if nothing is in between."""
@@ -41,11 +43,11 @@ class Paths:
         path = [first]
         while path[-1] != last:
             path.append(towards[path[-1]])
-        point = _centre(first)
+        point = self._centre(first)
         for cell in path:
-            if not self._is_straight(start, _centre(cell)):
+            if not self._is_straight(start, self._centre(cell)):
                 break
-            point = _centre(cell)
+            point = self._centre(cell)
         return point
 
     def _is_straight(self, start: Point, end: Point) -> bool:
@@ -56,8 +58,8 @@ class Paths:
         )
 
     def _nearest_free(self, point: Point) -> Cell:
-        own = (int(point[0] / CELL), int(point[1] / CELL))
-        return own if own in self._free else min(self._free, key=lambda cell: math.dist(point, _centre(cell)))
+        own = (int(point[0] / self._cell), int(point[1] / self._cell))
+        return own if own in self._free else min(self._free, key=lambda cell: math.dist(point, self._centre(cell)))
 
     def _search(self, goal: Cell) -> dict[Cell, Cell]:
         """From each cell that can reach `goal`, the next cell on a shortest path."""
@@ -72,6 +74,5 @@ class Paths:
                     edge.append(near)
         return towards
 
-
-def _centre(cell: Cell) -> Point:
-    return (cell[0] + 0.5) * CELL, (cell[1] + 0.5) * CELL
+    def _centre(self, cell: Cell) -> Point:
+        return (cell[0] + 0.5) * self._cell, (cell[1] + 0.5) * self._cell

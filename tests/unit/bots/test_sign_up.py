@@ -5,17 +5,22 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-import aiohttp
 import pytest
 from flask import Flask, request
 from werkzeug.serving import make_server
 
-from sim.bot import Bot
-from sim.bot_settings import Settings
+from server.bots.bot import Bot
+from server.bots.bridge import Feed
+from server.bots.web import Web
 from tests.unit.server.test_api import Site
 
-# all from one address of the LAN, as the server believes its own proxy
-BEHIND_A_ROUTER = {"X-Forwarded-For": "192.0.2.7"}
+
+class BehindARouter(Web):
+    """All from one address of the LAN, as the server believes its own proxy."""
+
+    @property
+    def cookies(self) -> dict[str, str]:
+        return {**super().cookies, "X-Forwarded-For": "192.0.2.7"}
 
 
 @contextmanager
@@ -45,33 +50,30 @@ def watched(site: Site) -> list[tuple[str, int]]:
     return seen
 
 
-async def sign_up(port: int, bots: int, seconds: float | None = None) -> list[int]:
-    """The robots of so many bots that start at once."""
-    settings = Settings.read({"LASERBOT_MASTER": "127.0.0.1", "LASERBOT_WEB_PORT": str(port)})
-    place = settings.place
-    assert place
-
-    async def one() -> int:
-        jar = aiohttp.CookieJar(unsafe=True)
-        async with aiohttp.ClientSession(cookie_jar=jar, headers=BEHIND_A_ROUTER) as http:
-            return await Bot(http, settings, place)._sign_up()
-
+async def sign_up(port: int, bots: int, seconds: float | None = None) -> list[str]:
+    """The names of so many bots, for robots 0, 1 and so on, that start at once."""
+    feed, names = Feed("ws://127.0.0.1:1"), asyncio.Lock()
+    crew = [Bot(BehindARouter(f"http://127.0.0.1:{port}"), feed, robot, "easy", names) for robot in range(bots)]
     async with asyncio.timeout(seconds):
-        return await asyncio.gather(*(one() for _ in range(bots)))
+        await asyncio.gather(*(bot._sign_up() for bot in crew))
+    return [bot._name for bot in crew]
 
 
 def test_many_at_once_from_one_address_are_never_refused() -> None:
     site = Site(robots=7)
     seen = watched(site)
     with served(site.app) as port:
-        robots = asyncio.run(sign_up(port, 7))
-    assert sorted(robots) == [*range(7)]
-    assert {status for _, status in seen} == {200}
+        names = asyncio.run(sign_up(port, 7))
+    assert sorted(names) == [f"Bot{number}" for number in range(1, 8)]
+    assert [status for _, status in seen] == [200] * 7, "none has tried twice"
+    drivers = {player.robot: player.name for player in site.battle.snapshot().players}
+    assert drivers == dict(enumerate(names))
 
 
 def test_who_waits_for_a_robot_does_not_sign_up_meanwhile() -> None:
-    site = Site(robots=0)
+    site = Site(robots=1)
     seen = watched(site)
+    site.battle.sign_up("Ann", "her session", 0)
     with served(site.app) as port, pytest.raises(TimeoutError):
         asyncio.run(sign_up(port, 1, 2.5))
     assert seen == []

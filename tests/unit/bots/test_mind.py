@@ -8,10 +8,10 @@ import pytest
 
 from laser_bot_battle.floor import Floor
 from laser_bot_battle.geometry import Point, Pose, Wall, bearing
-from sim.bot_mind import NEUTRAL, SKILLS, Command, Mind, Skill
-from sim.bot_paths import Paths
+from server.bots.mind import NEUTRAL, SKILLS, Command, Mind, Skill
+from server.bots.paths import Paths
 from tests.support.floors import BATTLE_FLOOR
-from tests.unit.sim.duel import TICK, Duel, Player, bot, idle
+from tests.unit.bots.duel import TICK, Duel, Player, bot, idle
 
 STEADY = Skill(mercy=0.0, reaction=0.2, aim_error=0.0, reload=(1.5, 1.5), rest=(0.1, 0.1), roam_chance=0.0)
 LATER = 1.0  # s after the first look: more than any reaction time

@@ -1,4 +1,4 @@
-"""A bot that was told no address."""
+"""Bots that were told no address."""
 
 import re
 from pathlib import Path
@@ -16,7 +16,7 @@ pytestmark = needs_root
 @pytest.mark.slow
 def test_a_bot_finds_the_master_and_follows_it_to_another_address(lan: Lan, tmp_path: Path) -> None:
     home, away = lan.machine(), lan.machine()
-    bot = lan.machine().python("sim.bot", env=NOTHING_GIVEN)
+    bot = lan.machine().python("server.bots", env=NOTHING_GIVEN)
     bot.wait_for("no arena announces itself in this network: start it, or set LASERBOT_MASTER to its address; waiting")
     with LanMaster(home, "hall", tmp_path) as master, LanRobot(away, tmp_path):
         bot.wait_for("arena 'hall' at 10.9.0.1, announced")
@@ -34,7 +34,7 @@ def test_a_bot_finds_the_master_and_follows_it_to_another_address(lan: Lan, tmp_
 
 @pytest.mark.slow
 def test_a_bot_that_was_given_an_address_stays_there(lan: Lan, tmp_path: Path) -> None:
-    bot = lan.machine().python("sim.bot", env={**NOTHING_GIVEN, "LASERBOT_MASTER": "10.9.0.9"})
+    bot = lan.machine().python("server.bots", env={**NOTHING_GIVEN, "LASERBOT_MASTER": "10.9.0.9"})
     with LanMaster(lan.machine(), "hall", tmp_path):
         bot.wait_for("master at 10.9.0.9, as LASERBOT_MASTER says")
         bot.wait_for("no game server at http://10.9.0.9:5000")

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from laser_bot_battle.geometry import Point
-from sim.bot_paths import Paths
+from server.bots.paths import Paths
 from tests.support.floors import BATTLE_FLOOR
 
 COURSE = Paths(BATTLE_FLOOR.width, BATTLE_FLOOR.height, BATTLE_FLOOR.walls)

@@ -1,4 +1,4 @@
-"""How the bot plays: from what it sees to what it commands. Pure; made to be beaten by people.
+"""How a bot plays: from what it sees to what it commands. Pure; made to be beaten by people.
 
 It sees others late, aims badly, waits between shots, sometimes drives elsewhere instead of fighting, and leaves alone
 for a while whoever was hit: several bots are no worse for somebody than one.
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from laser_bot_battle.geometry import Point, Pose, bearing, free_distance, wrap
-from sim.bot_paths import Paths
+from server.bots.paths import Paths
 
 AIM_TOLERANCE = math.radians(6)  # a robot turns 2.7 degrees in one command's time, and stops some commands late
 FIRE_RANGE = 0.75  # m
@@ -21,10 +21,11 @@ TRIGGER = 0.12  # s that a shot is commanded, so that a lost command does not lo
 ROAM = (1.5, 3.0)  # s of driving elsewhere
 ARRIVED = 0.04  # m
 TURN_FIRST = 0.6  # rad off its path: turn in place
+ABOUT = 0.3  # rad from the direction behind: there, one side is as near as the other, and the last one stays
 CURVE = 0.12  # rad off its path: correct while driving
 REPLAN = 0.3  # s until a path is planned again
 STUCK_AFTER = 0.8  # s of driving
-STUCK_WITHIN = 0.015  # m
+STUCK_WITHIN = 0.03  # m; where it is to be goes a little ahead of where it was seen
 BACK_OFF = (0.5, 1.0)  # s
 
 
@@ -72,6 +73,7 @@ class Mind:
         self._places = paths.places()
         self._views: deque[tuple[float, Mapping[int, Point]]] = deque()
         self._aim_error = 0.0
+        self._side = -1  # of the last turn
         self._next_shot: float | None = None  # not before this; None until the first look
         self._trigger_until = 0.0
         self._rest_until = 0.0
@@ -135,7 +137,7 @@ class Mind:
             return self._drive_to(now, me, target)
         off = wrap(direction + self._aim_error - me.heading)
         if abs(off) > AIM_TOLERANCE:
-            return _turn(off)
+            return self._turn(off)
         if self._next_shot is not None and now >= self._next_shot:
             self._fire(now)
             return Command(shoot=True)
@@ -162,8 +164,8 @@ class Mind:
             self._path = (now, point)
         off = wrap(bearing(me.point, point) - me.heading)
         if abs(off) > TURN_FIRST:
-            return _turn(off)
-        return Command(1, _turn(off).angular_z if abs(off) > CURVE else 0)
+            return self._turn(off)
+        return Command(1, self._turn(off).angular_z if abs(off) > CURVE else 0)
 
     def _seen(self, now: float, others: Mapping[int, Point]) -> Mapping[int, Point]:
         """What the bot knows now of the others: what could be seen a reaction time ago."""
@@ -185,7 +187,8 @@ class Mind:
         self._drive_began = None
         return True
 
-
-def _turn(off: float) -> Command:
-    """Turn in place towards a direction that is `off` rad counter-clockwise."""
-    return Command(angular_z=-1 if off > 0 else 1)
+    def _turn(self, off: float) -> Command:
+        """Turn in place towards a direction that is `off` rad counter-clockwise."""
+        if abs(off) < math.pi - ABOUT:
+            self._side = -1 if off > 0 else 1
+        return Command(angular_z=self._side)

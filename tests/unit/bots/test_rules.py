@@ -1,19 +1,18 @@
-"""The bot's configuration and when it plays."""
+"""The bots' configuration, what they hear, and when they play."""
 
 import pytest
 
+from laser_bot_battle.geometry import Pose
 from laser_bot_battle.msg import GameStatus
 from laser_bot_battle.place import Place
 from laser_bot_battle.settings import SettingsError
-from sim.bot import fights, wants_ready
-from sim.bot_game import Player, Status
-from sim.bot_settings import Settings, first_free
+from server.bots.game import Floor, Player, Positions, Status, fights, wants_ready
+from server.bots.settings import Settings, first_free
 
 
-def urls(settings: Settings) -> tuple[str, str, str]:
+def urls(settings: Settings) -> tuple[str, str]:
     assert settings.place
-    place = settings.place
-    return settings.web_url(place), settings.rosbridge_url(place), settings.view_url(place)
+    return settings.web_url(settings.place), settings.rosbridge_url(settings.place)
 
 
 def status(game: int, **ready: bool) -> Status:
@@ -41,6 +40,18 @@ def test_a_status_is_read_from_rosbridge() -> None:
     assert Status.from_message({**message, "protection": 2.5}).protection == 2.5
 
 
+def test_positions_are_read_from_rosbridge_and_who_is_nowhere_is_left_out() -> None:
+    there, lost = {"robot": 3, "x": 1, "y": 0.5, "heading": -1.5}, {"robot": 4, "x": None, "y": 0.5, "heading": 0}
+    message = {"width": 1.6, "height": 1.2, "walls": [0, 0, 1, 1, 0.5], "robots": [there, lost]}
+    assert Positions.from_message(message) == Positions(Floor(1.6, 1.2, ((0, 0, 1, 1),)), {3: Pose(1, 0.5, -1.5)})
+
+
+@pytest.mark.parametrize("width", [0, -1, 1e6, None, "wide"])
+def test_positions_on_no_floor_are_none(width: object) -> None:
+    with pytest.raises((TypeError, ValueError)):
+        Positions.from_message({"width": width, "height": 1.2, "walls": [], "robots": []})
+
+
 def test_it_does_not_drive_in_a_pause() -> None:
     me = Player("Bot1", 0, 100, True)
     assert fights(Status(GameStatus.PLAYING, (me,)), me)
@@ -48,19 +59,22 @@ def test_it_does_not_drive_in_a_pause() -> None:
 
 
 def test_taken_names_are_counted_on() -> None:
-    taken = {"Ann", "Bot1", "bot2", "Bot9", "Bot99"}
-    found = [first_free(name, taken) for name in ("Bot0", "Bot1", "Bot9", "Bot99")]
-    assert found == ["Bot0", "Bot3", "Bot10", "Bot100"]
+    assert [first_free(taken) for taken in (set(), {"Ann", "Bot1", "bot2", "Bot9"})] == ["Bot1", "Bot3"]
 
 
 def test_everything_is_on_the_master_by_default() -> None:
-    settings = Settings.read({"LASERBOT_MASTER": "10.0.0.5", "LASERBOT_ARENA_PORT": "8090"})
-    assert urls(settings) == ("http://10.0.0.5:5000", "ws://10.0.0.5:9090", "ws://10.0.0.5:8090/view")
+    assert urls(Settings.read({"LASERBOT_MASTER": "10.0.0.5"})) == ("http://10.0.0.5:5000", "ws://10.0.0.5:9090")
 
 
-def test_rosbridge_and_the_arena_may_be_elsewhere() -> None:
-    settings = Settings.read({}, master="master", rosbridge="bridge:80", arena="other:81")
-    assert urls(settings) == ("http://master:5000", "ws://bridge:80", "ws://other:81/view")
+def test_on_the_master_itself_they_go_where_its_programs_listen() -> None:
+    own = {"ROS_MASTER_URI": "http://localhost:11311"}
+    assert urls(Settings.read(own))[0] == "http://localhost:5000"
+    assert urls(Settings.read({**own, "LASERBOT_BIND": "10.0.0.5"})) == ("http://10.0.0.5:5000", "ws://10.0.0.5:9090")
+    assert urls(Settings.read({**own, "LASERBOT_BIND": "fd00::5"}))[0] == "http://[fd00::5]:5000"
+
+
+def test_rosbridge_may_be_elsewhere() -> None:
+    assert urls(Settings.read({}, master="master", rosbridge="bridge:80")) == ("http://master:5000", "ws://bridge:80")
 
 
 def test_without_another_word_the_master_is_where_rosbridge_is() -> None:
@@ -68,14 +82,12 @@ def test_without_another_word_the_master_is_where_rosbridge_is() -> None:
     assert urls(Settings.read({"LASERBOT_MASTER": "master"}, rosbridge="bridge:80"))[0] == "http://master:5000"
 
 
-def test_a_bot_that_is_told_nothing_finds_the_master() -> None:
+def test_bots_that_are_told_nothing_find_the_master() -> None:
     settings = Settings.read({"LASERBOT_ARENA": "hall"})
     assert settings.place is None
     assert settings.arena == "hall"
     found = Place("10.0.0.9", 5001, "http://10.0.0.9:11311", "hall", rosbridge=9091)
-    assert settings.web_url(found) == "http://10.0.0.9:5001"
-    assert settings.rosbridge_url(found) == "ws://10.0.0.9:9091"
-    assert settings.view_url(found) == "ws://10.0.0.9:8080/view"
+    assert (settings.web_url(found), settings.rosbridge_url(found)) == ("http://10.0.0.9:5001", "ws://10.0.0.9:9091")
 
 
 @pytest.mark.parametrize(
@@ -86,16 +98,9 @@ def test_a_bot_that_is_told_nothing_finds_the_master() -> None:
         ({"LASERBOT_LOG_LEVEL": "loud"}, {}),
         ({"LASERBOT_LOG_LEVEL": "critical"}, {}),
         ({"LASERBOT_LOG_LEVEL": "notset"}, {}),
-        ({}, {"name": "Ann"}),
-        ({}, {"name": "Bot"}),
-        ({}, {"name": "Botond"}),
-        ({}, {"name": "Bot" + "1" * 14}),
         ({}, {"rosbridge": "host"}),
-        ({}, {"arena": "host"}),
-        ({}, {"arena": "host:door"}),
-        ({}, {"arena": ":80"}),
-        ({}, {"robot": "128"}),
-        ({}, {"robot": "-1"}),
+        ({}, {"rosbridge": "host:door"}),
+        ({}, {"rosbridge": ":80"}),
     ],
     ids=str,
 )
