@@ -262,6 +262,17 @@ def drives_and_stands(
 
 
 @pytest.mark.slow
+def test_a_robot_is_given_to_a_bot_and_taken_back(desk: Page, battle: Demo) -> None:
+    row = desk.locator("#bots-rows tr").nth(1)
+    choice = row.get_by_label("Bot for robot 1")
+    choice.select_option("easy")
+    expect(row).to_contain_text("Bot1", timeout=15_000)
+    expect(desk.locator("#players-rows")).to_contain_text("Bot1")
+    choice.select_option("no bot")
+    expect(row).not_to_contain_text("Bot1")
+    expect(desk.locator("#bots-trouble")).to_be_hidden()
+
+
 def test_who_is_banned_is_out_until_the_ban_ends(desk: Page, person: Callable[[str], Person], battle: Demo) -> None:
     ann = person("Ann")
     ann.log_in()

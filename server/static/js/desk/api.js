@@ -45,6 +45,7 @@ export const battle = (order) => call("POST", "battle", order);
 export const signOut = (name) => call("POST", `players/${encodeURIComponent(name)}/sign_out`, {});
 export const names = (change) => call("POST", "names", change);
 export const setService = (id, inService) => call("POST", `robots/${id}`, { in_service: inService });
+export const giveToBot = (id, level) => call("POST", `robots/${id}`, { bot: level });
 export const identify = (id) => call("POST", `robots/${id}/identify`, {});
 export const setRules = (values) => call("PUT", "rules", values);
 export const presets = (change) => call("POST", "presets", change);

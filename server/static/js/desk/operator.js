@@ -102,6 +102,7 @@ async function confirm({ title, text, ok }, order, then) {
 
 const on = {
   service: (id, inService) => act(() => api.setService(id, inService)),
+  bot: (id, level) => act(() => api.giveToBot(id, level)),
   identify: (id) => act(() => api.identify(id)),
   look: (id) => cameras.look(id),
   drive: (id) => act(() => drive.start(id)),

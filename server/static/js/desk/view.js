@@ -1,5 +1,6 @@
 // The desk's elements, set from the state. All that comes from names is set as text.
 
+import { showBots } from "./bots.js";
 import { element, setText } from "../common/dom.js";
 import { iconButton, rowButton, setButton, setCell, showRows, tableRow } from "./rows.js";
 import * as words from "./words.js";
@@ -20,11 +21,12 @@ const WAITER = [["name", t("desk.name")], ["place", t("desk.place")], ["offer", 
 /**
  * Everything on the desk but its forms.
  * @param {object} state of GET /operator/api/state
- * @param {object} on what the rows' buttons do: service(id, inService), identify(id), look(id), drive(id), signOut(name), ban(name), unban(name)
+ * @param {object} on what the rows' buttons do: service(id, inService), bot(id, level), identify(id), look(id), drive(id), signOut(name), ban(name), unban(name)
  */
 export function showState(state, on) {
   showBattle(state.game);
   showRobots(state.robots, on);
+  showBots(state, on.bot);
   showPlayers(state.players, on);
   showQueue(state.queue, on);
   showMessage(state.game.message);
