@@ -130,7 +130,7 @@ COMBINATIONS = [
     ("lan", ["proxy", "registry"]),
     ("sim", ["announcer", "kept-data", "backups", "ingress", "host-name", "metrics"]),
     ("sim", ["gateway", "certificate", "prometheus-operator"]),
-    ("sim", ["node-ports"]),
+    ("sim", ["node-ports", "bots", "overhead"]),
     ("arenas", ["entrance", "entrance-host", "leaderboard", "leaderboard-backups"]),
 ]
 
