@@ -50,7 +50,9 @@ _ELSEWHERE = {
         ("certificate", "front", "gateway", "host-name", "ingress", "node-ports", "proxy"),
         "is a way in, which port or host chooses",
     ),
-    **dict.fromkeys(("announcer", "bots", "camera", "device-plugin", "overhead"), "is for real robots, which overlays/lan has"),
+    **dict.fromkeys(
+        ("announcer", "bots", "camera", "device-plugin", "overhead"), "is for real robots, which overlays/lan has"
+    ),
     "network-policies": "is part of every arena",
 }
 _WATCHING = ("metrics", "monitoring", "prometheus-operator")  # of which the others include the first

@@ -8,6 +8,8 @@ import pytest
 
 from laser_bot_battle.floor import MAX_BYTES, NAMES, Floor, Zone, parse_floor, read_floor
 from laser_bot_battle.settings import SettingsError
+from tests.support.documents import page
+from tests.support.programs import ROOT
 
 FLOOR: dict[str, Any] = {
     "width": 4,
@@ -112,3 +114,9 @@ def test_what_is_no_such_file_is_refused(data: bytes, text: str) -> None:
     with pytest.raises(ValueError) as error:
         parse_floor(data)
     assert str(error.value).startswith(text)
+
+
+def test_the_example_is_a_floor_and_the_page_shows_it() -> None:
+    example = (ROOT / "floors/hall.json").read_text()
+    assert f"```json\n{example}```" in page("floor.md")
+    assert {zone.kind for zone in read_floor(str(ROOT / "floors/hall.json")).zones} == {"hill", "pick-up"}
