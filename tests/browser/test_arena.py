@@ -19,7 +19,7 @@ from tests.support.programs import ROOT
 
 STATIC = ROOT / "server" / "static"
 WORDS = {section: json.loads((STATIC / "words" / "en.json").read_text())[section] for section in ("arena", "game")}
-PICTURES = {f"img/avatar{number}.svg": f"../img/avatar{number}.svg" for number in range(5)}
+PICTURES = {f"img/avatar{number}.svg": f"img/avatar{number}.svg" for number in range(5)}
 PAGE = f"""<!doctype html>
 <html lang="en">
 <link rel="icon" href="/static/img/favicon.svg">

@@ -38,7 +38,10 @@ def test_home_tells_where_rosbridge_is(browser):
 
 @pytest.mark.parametrize("path", ["/", "/home", "/watch"])
 def test_pages_with_the_arena_have_its_place(browser, path):
-    assert re.search(r'<div id="arena" class="arena" hidden><canvas role="img" aria-label="\w', browser.get(path).text)
+    assert re.search(
+        r'<section id="arena" class="arena" aria-label="[^"]+" hidden><canvas role="img" aria-label="\w',
+        browser.get(path).text,
+    )
 
 
 @pytest.mark.parametrize("method", ["get", "post"])
