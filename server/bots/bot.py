@@ -4,7 +4,7 @@ import asyncio
 import contextlib
 import logging
 import random
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from laser_bot_battle.geometry import Pose
 from laser_bot_battle.lifecycle import first_of
@@ -67,7 +67,7 @@ class Bot:
                     answer = {}
                     if self._robot in free:
                         name = first_free(names | refused)
-                        answer = await self._web.sign_up(name, self._robot)
+                        answer = await self._claim(name)
             except GameError as error:
                 self._tell(f"{error}; waiting")
             else:
@@ -85,6 +85,17 @@ class Bot:
                         self._tell(f"cannot sign up: {answer}; trying again")
                 refused.clear()
             await asyncio.sleep(RETRY)
+
+    async def _claim(self, name: str) -> dict[str, Any]:
+        """The answer to a sign-up. Whoever ends it meanwhile waits for it: the seat is to be given back then."""
+        claim = asyncio.ensure_future(self._web.sign_up(name, self._robot))
+        try:
+            return await asyncio.shield(claim)
+        except asyncio.CancelledError:
+            with contextlib.suppress(GameError):
+                if (await claim).get("status") == "OK":
+                    self._name = name
+            raise
 
     async def _stay_signed_in(self) -> None:
         """Give signs of life; SignedOutError when the server no longer knows the player."""

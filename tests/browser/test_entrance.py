@@ -59,9 +59,9 @@ def page(chromium: Browser) -> Iterator[Page]:
 
 def test_everybody_can_use_it(hall: Hall, page: Page, screenshots: Path, look: Looks) -> None:
     page.goto(hall.entrance)
-    expect(page.locator(".arena")).to_have_count(2)
+    expect(page.locator(".hall")).to_have_count(2)
     expect(page.locator("#summary")).to_have_text("1 robot is free")
-    expect(page.locator(".arena").last).to_contain_text("This arena does not answer.")
+    expect(page.locator(".hall").last).to_contain_text("This arena does not answer.")
     for how in look.at(page):
         page.screenshot(path=screenshots / f"entrance-{how}.png", full_page=True)
         look.found[f"entrance {how}"] = violations(page)
@@ -79,7 +79,7 @@ def test_who_plays_arrives_in_an_arena_with_the_name_kept(hall: Hall, page: Page
     expect(page.locator("#restore-title")).to_contain_text("Ann Lee")
     page.goto(hall.entrance)
     expect(page.get_by_label("Your name")).to_have_value("Ann Lee")
-    expect(page.locator(".arena").first).to_contain_text("1 player")
+    expect(page.locator(".hall").first).to_contain_text("1 player")
     page.get_by_role("button", name="Play here: red").click()
     page.wait_for_url(f"{hall.arena}/home")  # to the same robot, by the same session
     expect(page.locator(".username").first).to_have_text("Ann Lee")

@@ -40,7 +40,7 @@ def test_everybody_can_use_them(played: Played, page: Page, screenshots: Path, l
     for name, path in PATHS.items():
         page.goto(f"{played.url}{path}")
         if name == "battle":
-            expect(page.locator("#replay-floor p").first).to_be_visible()
+            expect(page.locator("#replay-floor canvas")).to_have_attribute("aria-label", re.compile("Jörg"))
         for how in look.at(page):
             page.screenshot(path=screenshots / f"{name}-{how}.png", full_page=True)
             look.found[f"{name} {how}"] = violations(page)

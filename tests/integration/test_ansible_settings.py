@@ -62,4 +62,4 @@ def test_k3s_is_given_only_manifests_that_were_checked() -> None:
     stdin = "{{ k3s_manifests.stdout }}"
     given = [command["argv"] for command in commands if command.get("stdin") == stdin]
     assert given[0][1:] == ["-m", "laser_bot_battle.check", "-"]
-    assert ["apply" in words for words in given[1:]] == [False, True]
+    assert ["apply" in words for words in given[1:]] == [False, True, False]

@@ -48,7 +48,7 @@ function row(name) {
     watch.setAttribute("aria-label", t("entrance.watch_in", { name }));
     here.addEventListener("click", () => play(name));
     const buttons = element("div", { className: "buttons" }, here, watch);
-    const item = element("li", { className: "panel arena" }, element("h3", {}, name), parts.state, parts.counts, buttons);
+    const item = element("li", { className: "panel hall" }, element("h3", {}, name), parts.state, parts.counts, buttons);
     list.append(item);
     rows.set(name, { ...parts, item, buttons, watch });
   }
