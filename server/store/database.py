@@ -25,7 +25,6 @@ from server.game.persistence import mend
 from server.store import schema, versions
 from server.store.backup import bring_back
 from server.store.clocks import Clocks
-from server.store.encryption import encrypt_if_possible
 from server.store.fighters import keep_fighters
 from server.store.forget import find_forgotten, rename_in_event, rename_in_state
 from server.store.held import UNSEEN, FileId, Held, file_id
@@ -511,12 +510,9 @@ def make_engine(url: URL, busy: float = _BUSY, *, keeps_connection: bool = True)
     if url.get_backend_name() != "sqlite":
         # it writes a traceback for each connection that the other end has broken; what is wrong is told by us, once
         logging.getLogger("sqlalchemy.pool").setLevel(logging.CRITICAL)
-        pool: dict[str, Any] = {"pool_pre_ping": True, "pool_size": 1, "max_overflow": 9}
-        engine = create_engine(
-            url, connect_args={"timeout": busy}, **(pool if keeps_connection else {"poolclass": NullPool})
-        )
-        encrypt_if_possible(engine)
-        return engine
+        if not keeps_connection:
+            return create_engine(url, connect_args={"timeout": busy}, poolclass=NullPool)
+        return create_engine(url, connect_args={"timeout": busy}, pool_pre_ping=True, pool_size=1, max_overflow=9)
     engine = create_engine(url, connect_args={"timeout": busy})
 
     @event.listens_for(engine, "connect")

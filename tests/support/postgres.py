@@ -51,12 +51,6 @@ class Postgres:
         self._program = Program(self._command("postgres", "-D", str(self._folder), *words))
         self._program.wait_for("ready to accept connections", 60)
 
-    def certify(self) -> None:
-        """Make the certificate that it needs to start with `ssl=on`."""
-        words = "openssl req -x509 -newkey rsa:2048 -nodes -keyout server.key -out server.crt -days 2 -subj /CN=game"
-        as_it = ["env", f"--chdir={self._folder}", "setpriv", "--pdeathsig=INT", *self._as]
-        subprocess.run([*as_it, *words.split()], check=True, capture_output=True)
-
     def kill(self) -> None:
         """As a power cut; until it is gone."""
         assert self._program
@@ -109,8 +103,6 @@ def with_its_end(process: psutil.Process) -> None:
 def running_postgres(*settings: str) -> Iterator[Postgres]:
     server = Postgres()
     try:
-        if "ssl=on" in settings:
-            server.certify()
         server.start(*settings)
         yield server
     finally:

@@ -1,7 +1,6 @@
 """Several arenas on one database server: each has its own game, and what was played is everybody's."""
 
 import gc
-import ssl
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -11,14 +10,14 @@ from sqlalchemy.pool import NullPool
 
 from server.game.persistence import restore
 from server.game.referee import Referee
-from server.store.database import Database, Kept, make_engine
+from server.store.database import Database, Kept
 from server.store.forget import forget
 from server.store.log import EventLog
 from server.store.results import Results
 from server.web.settings import Settings
 from tests.support.databases import rows
 from tests.support.polling import until
-from tests.support.postgres import Postgres, postgres, running_postgres
+from tests.support.postgres import Postgres, postgres
 from tests.unit.server.conftest import Match
 
 __all__ = ["postgres"]
@@ -217,14 +216,3 @@ def test_a_file_is_of_one_arena_whatever_its_name() -> None:
     environ = {"LASERBOT_ARENA": "red", "LASERBOT_DATABASE": "postgresql://u:secret@db/game"}
     assert Settings.from_env(environ).arena == "red"
     assert Settings.from_env({"LASERBOT_ARENA": "red"}).arena == ""
-
-
-@pytest.mark.parametrize("settings", [(), ("ssl=on",)], ids=["plain", "encrypted"])
-def test_a_connection_is_encrypted_if_the_server_can_and_reads_no_authorities(settings, monkeypatch):
-    with running_postgres(*settings) as server:
-        url = server.new_database()
-        monkeypatch.setattr(ssl, "create_default_context", lambda: pytest.fail("they are read for each connection"))
-        engine = make_engine(url, keeps_connection=False)
-        with engine.connect() as connection:
-            is_encrypted = connection.scalar(text("SELECT ssl FROM pg_stat_ssl WHERE pid = pg_backend_pid()"))
-    assert is_encrypted is ("ssl=on" in settings)
