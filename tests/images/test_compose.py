@@ -73,7 +73,7 @@ def test_a_battle_is_played_to_its_end(battle: ComposeBattle, players: tuple[Pla
 
 
 def test_no_container_has_more_rights_than_it_needs(battle: ComposeBattle) -> None:
-    assert len(battle.services) == 10
+    assert len(battle.services) == 12
     for service in battle.services:
         host = engine().containers.get(battle.container(service)).attrs["HostConfig"]
         assert host["ReadonlyRootfs"], service
