@@ -90,16 +90,15 @@ def main() -> int:
     signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell starts background programs with it ignored
     signal.signal(signal.SIGTERM, interrupt_once)
     try:
-        with contextlib.closing(MasterLocation(settings)) as location, status_led(settings.led) as led, ending_once():
-            Robot(settings, location, led, heart).run()
+        with status_led(settings.led) as led, ending_once():
+            Robot(settings, MasterLocation(settings), led, heart).run()
     except KeyboardInterrupt:
         _log.info("ending")
     return 0
 
 
 def interrupt_once(*_: object) -> None:
-    """As SIGINT: while an event loop runs, asyncio makes a cancellation of the first and raises
-    the second in the middle of it."""
+    """As SIGINT; whoever is impatient and sends more than one does not interrupt the end."""
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
     signal.raise_signal(signal.SIGINT)
 

@@ -1,11 +1,14 @@
 """Where this robot's master is: found before each life of the robot, and looked for again while it is lost."""
 
 import asyncio
+import concurrent.futures
 import contextlib
 import logging
 import os
 import threading
 import time
+from collections.abc import Callable, Coroutine
+from typing import Any
 
 from laser_bot_battle.addresses import lan_choice, own_addresses
 from laser_bot_battle.place import Place, find_again, locate
@@ -34,19 +37,15 @@ class MasterLocation:
     """The master's place over all lives of the robot. A robot that has joined an arena keeps to its name."""
 
     def __init__(self, settings: Settings) -> None:
-        self._runner = asyncio.Runner()
-        self._runner.get_loop()  # now: a signal while a loop is made leaves half of one
         self._arena = settings.arena
         self._place: Place | None = None
         self._joined = False  # an arena that announces itself
 
-    def close(self) -> None:
-        self._runner.close()
-
     def locate(self) -> Place:
         """Where the robot goes now; NoArenaError says why it cannot go anywhere."""
         last, self._place = self._place, None
-        self._place = self._runner.run(locate(os.environ, self._arena))
+        with SearchThread(lambda: locate(os.environ, self._arena)) as search:
+            self._place = search.outcome.result()
         if self._place != last:
             _log.info("%s", self._place)
         return self._place
@@ -60,8 +59,8 @@ class MasterLocation:
     def rest(self, seconds: float) -> None:
         """Wait before the next attempt, not longer than until the robot's arena is heard at a new place."""
         if self._joined:
-            with contextlib.suppress(TimeoutError):
-                self._runner.run(asyncio.wait_for(find_again(self._arena, self._place), seconds))
+            with SearchThread(lambda: find_again(self._arena, self._place)) as search:
+                concurrent.futures.wait([search.outcome], seconds)
         else:
             time.sleep(seconds)
 
@@ -131,10 +130,11 @@ class Lookout:
             self._stop()
         elif self._search is None:
             _log.info("looking for arena %r at another address", self._place.arena)
-            self._search = SearchThread(self._place)
+            place = self._place
+            self._search = SearchThread(lambda: find_again(place.arena, place))
             self._search.start()
-        elif self._search.found:
-            raise MovedError(self._search.found)
+        elif self._search.outcome.done():
+            raise MovedError(self._search.outcome.result())
 
     def _stop(self) -> None:
         if self._search:
@@ -143,19 +143,40 @@ class Lookout:
 
 
 class SearchThread(threading.Thread):
-    """Sets `found` once the arena of that place is found at another one."""
+    """A search in an event loop of its own, in which no signal raises KeyboardInterrupt: that leaves tasks half done.
 
-    def __init__(self, place: Place) -> None:
-        super().__init__(name="lookout", daemon=True)
-        self.found: Place | None = None
-        self._loop = asyncio.new_event_loop()
-        self._task = self._loop.create_task(find_again(place.arena, place))
+    A context manager that starts and ends it.
+    """
+
+    def __init__(self, search: Callable[[], Coroutine[Any, Any, Place]]) -> None:
+        super().__init__(name="search", daemon=True)
+        self.outcome: concurrent.futures.Future[Place] = concurrent.futures.Future()
+        self._search = search
+        self._task: asyncio.Task[Any] | None = None
+        self._ends = False
+
+    def __enter__(self) -> "SearchThread":
+        self.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()
 
     def run(self) -> None:
-        with contextlib.closing(self._loop), contextlib.suppress(asyncio.CancelledError):
-            self.found = self._loop.run_until_complete(self._task)
+        try:
+            self.outcome.set_result(asyncio.run(self._until_stopped()))
+        except BaseException as error:  # the one who waits for the outcome hears it
+            self.outcome.set_exception(error)
+
+    async def _until_stopped(self) -> Place:
+        self._task = asyncio.current_task()
+        if self._ends:
+            raise asyncio.CancelledError
+        return await self._search()
 
     def stop(self) -> None:
-        with contextlib.suppress(RuntimeError):  # it has ended, and closed its loop
-            self._loop.call_soon_threadsafe(self._task.cancel)
+        self._ends = True
+        if self._task:
+            with contextlib.suppress(RuntimeError):  # it has ended, and closed its loop
+                self._task.get_loop().call_soon_threadsafe(self._task.cancel)
         self.join(END_TIMEOUT)
