@@ -334,7 +334,7 @@ def main() -> int:
         say(
             f"\nReady. Open\n"
             f"  http://localhost:{settings.ports[WEB.name]}   the game\n"
-            f"  http://localhost:{settings.ports[ARENA.name]}   the arena seen from above\n"
+            f"  http://localhost:{settings.ports[ARENA.name]}   the simulator's own page\n"
             f"  {desk(settings)}\n"
             f"{from_the_network(settings)}"
             f"{who_can_play(options.robots - options.bots)}\n"

@@ -31,7 +31,7 @@ PORTS = {
     ROSBRIDGE: "rosbridge",
     RELAY: "the cameras' pictures",
     ROS: "the ROS master",
-    ARENA: "the arena's view",
+    ARENA: "the simulator's own page",
     ARENA_LINK: "the robots' link to the arena",
 }
 VARIABLES: tuple[Variable[Any], ...] = (BIND, INTERFACE, *PORTS, LIGHT, OPERATOR_TOKEN, OPERATOR_TOKEN_FILE)

@@ -157,7 +157,7 @@ class Bot:
         if is_blind is not self._was_blind:
             self._was_blind = is_blind
             if is_blind:
-                _log.warning("nobody tells by /positions where robot %d is: %s waits", self._robot, self._name)
+                _log.warning("/positions does not say where robot %d is: %s is waiting", self._robot, self._name)
             else:
                 _log.info("%s sees robot %d", self._name, self._robot)
         return not is_blind

@@ -73,7 +73,7 @@ class EffectEnded:
     kind: str
 
     def __str__(self) -> str:
-        return f"{self.kind} of {self.name} (robot {self.robot}) is over"
+        return f"{self.kind} has ended for {self.name} (robot {self.robot})"
 
 
 PlaceEvent = Fenced | HillHeld | PickUpLaid | PickedUp | EffectEnded

@@ -29,7 +29,7 @@ def main() -> int:
     """The program; returns its exit code."""
     if sys.argv[1:2] == ["tags"]:
         return print_tags.main(f"{COMMAND} tags", sys.argv[2:])
-    description = f"Tells where the robots are by a camera above the floor. '{COMMAND} tags' writes the tags to print."
+    description = f"Tracks the robots with a camera above the floor. '{COMMAND} tags' writes the tags to print."
     settings = read_or_exit(COMMAND, Settings.from_env, read_arguments(COMMAND, description, *VARIABLES))
     configure_logging(settings.program.log_level)
     if settings.camera is None:

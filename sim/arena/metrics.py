@@ -12,7 +12,11 @@ def metrics(world: World, viewers: int) -> Iterable[Metric]:
     robots = world.robots.values()
     return [
         gauge("laserbot_arena_robots", "Virtual robots on the floor.", len(robots)),
-        gauge("laserbot_arena_viewers", "Pages that show the arena from above.", viewers),
+        gauge(
+            "laserbot_arena_viewers",
+            "Clients of the virtual arena's own view: developers' pages and sim.positions.",
+            viewers,
+        ),
         labelled(
             CounterMetricFamily,
             "laserbot_arena_hits_total",

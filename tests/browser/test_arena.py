@@ -137,7 +137,7 @@ def test_the_picture_has_the_robots_their_players_shots_and_hits(
     expect(canvas).to_be_visible()
     expect(sized.locator("#arena p")).to_be_hidden()
     sized.evaluate("message => take(message, 'Al')", status())
-    told = "Al 100 %, Bea_the_Great_16 66 %, Zoe 32 %, Bob out, Robot 4"
+    told = "Al 100%, Bea_the_Great_16 66%, Zoe 32%, Bob out, Robot 4"
     expect(canvas).to_have_attribute("aria-label", f"The arena seen from above, {told}")
     until(lambda: {f"/static/img/avatar{n}.svg" for n in range(4)} <= {*game_page.asked}, 10, "its avatars come")
     between = [0.55, 0.3]

@@ -82,7 +82,7 @@ def test_a_battle_is_played_again_on_the_floor(played: Played, page: Page, scree
     expect(play).to_have_text("Play")
     expect(clock).to_contain_text("0:00 of 0:0")
     floor = page.locator("#replay-floor canvas")
-    expect(floor).to_have_attribute("aria-label", "The arena seen from above, Jörg 100 %, Bob 100 %")
+    expect(floor).to_have_attribute("aria-label", "The arena seen from above, Jörg 100%, Bob 100%")
     track = page.request.get(f"{played.url}/results/1.json").json()["track"]
     told = {at: (x, y) for at, (x, y, _) in zip(track["times"], track["robots"]["0"], strict=True)}  # of Jörg's robot
 
@@ -97,7 +97,7 @@ def test_a_battle_is_played_again_on_the_floor(played: Played, page: Page, scree
         until(lambda place=told[at]: is_at(*place), 5, "it is there")
         assert not is_at(*told[other])
     slider.press("End")
-    expect(floor).to_have_attribute("aria-label", "The arena seen from above, Jörg 100 %, Bob out")
+    expect(floor).to_have_attribute("aria-label", "The arena seen from above, Jörg 100%, Bob out")
     slider.fill("2")
     page.locator(".replay").screenshot(path=screenshots / f"results-replay-{width}.png")
     page.screenshot(path=screenshots / f"results-replay-page-{width}.png", full_page=True)

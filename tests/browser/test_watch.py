@@ -9,6 +9,7 @@ import requests
 import segno
 from playwright.sync_api import Browser, Page, WebSocketRoute, expect
 
+from tests.browser.axe import violations
 from tests.support.demo import TOKEN, Demo
 from tests.support.play import hunt_down, shoot_to_the_end, start
 from tests.support.player import Eyes, Player, players_and_free_robots
@@ -111,6 +112,7 @@ def test_people_who_watch_cheer_and_vote_and_the_operator_applies_what_they_chos
         expect(screen.locator("#vote-choices li").first).to_contain_text("1 vote")
         screen.screenshot(path=screenshots / "watch-vote.png")
         watching.screenshot(path=screenshots / "watch-vote-390.png")
+        assert violations(screen) + violations(watching) == []
         operating.get_by_role("button", name="End it now").click()
         expect(screen.locator("#vote-title")).to_have_text("The audience has chosen")
         operating.get_by_role("button", name="Apply: Children").click()

@@ -368,7 +368,7 @@ BACKUPS = whole(
     14,
     1,
     1000,
-    "of how many days the newest [backup](results.md#back-up-and-restore) stays; of the last day, as many",
+    "days for which each day's newest [backup](results.md#back-up-and-restore) is kept; of the last day, as many",
 )
 BACKUP_VOLUME = words(
     "LASERBOT_BACKUP_VOLUME",

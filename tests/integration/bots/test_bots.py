@@ -93,7 +93,7 @@ def test_it_comes_back_after_a_restart_of_the_server_and_of_rosbridge(battle: De
 
 def test_without_positions_it_is_not_ready_and_says_so(battle: Demo) -> None:
     """As on real robots without a camera above the floor: everything else plays on."""
-    said = "nobody tells by /positions where robot 1 is: Bot1 waits"
+    said = "/positions does not say where robot 1 is: Bot1 is waiting"
     battle.give_to_bot(1)
     with Player(battle, "Ann") as ann:
         with battle.pause("sim.positions"):
