@@ -1,6 +1,7 @@
 """Who sees what, by the newest /game_status (docs/protocol-camera.md)."""
 
 from laser_bot_battle.msg import GameStatus
+from laser_bot_battle.names import ABOVE
 from server.access.identity import Identity, People
 
 
@@ -21,9 +22,11 @@ class CameraAccess(People):
         self._hidden = status.hide_cameras
 
     def refuses(self, who: Identity, robot: int) -> str:
-        """Why this viewer may not look through the robot's camera now; empty: they may."""
+        """Why this viewer may not look through the robot's camera, or the one ABOVE, now; empty: they may."""
         if who.foreign:  # a browser in this network would show the hall to whoever has made the page
             return "this page is not at the game's own address: sign in to see through the cameras"
+        if robot == ABOVE:  # everybody may know where robots are
+            return ""
         player = self.player(who)
         if not self._running or who.operator or self.is_own(who, robot):
             return ""

@@ -1,4 +1,4 @@
-"""One robot's camera, as long as somebody looks through it: found, connected to, and tried again when it is lost."""
+"""One camera, as long as somebody looks through it: found, connected to, and tried again when it is lost."""
 
 import asyncio
 import logging
@@ -6,13 +6,12 @@ import time
 from collections.abc import Awaitable, Callable
 from functools import partial
 
-from laser_bot_battle.master import MasterError
-from laser_bot_battle.names import robot_node
+from laser_bot_battle.names import ABOVE, robot_node
 from server.camera.budget import Meter
 from server.camera.clock import ClockOffset
 from server.camera.multipart import Part, StreamError
-from server.camera.picture import Picture, picture_of
-from server.camera.stream import address_of, follow
+from server.camera.picture import Picture, dated, picture_of
+from server.camera.stream import Address, follow
 from server.camera.viewer import Viewer
 
 _log = logging.getLogger(__name__)
@@ -28,15 +27,17 @@ class Camera:
     def __init__(
         self,
         robot: int,
-        find: Callable[[], Awaitable[object]],
+        find: Callable[[], Awaitable[Address]],
         pictured: Callable[["Camera", Picture], None],
         changed: Callable[["Camera"], None],
     ) -> None:
-        """`find` asks the ROS master where the camera is: MasterError when it knows none, OSError when it does not
-        answer. `pictured` is called with each picture, `changed` when the state has changed."""
+        """That of a robot, or the one ABOVE. `find` tells where the camera is: LookupError when there is none,
+        StreamError when that cannot be told. `pictured` is called with each picture, `changed` when the state has
+        changed."""
         self._loop = asyncio.get_running_loop()
         self._find, self._pictured, self._changed = find, pictured, changed
         self.robot = robot
+        self._name = "the camera above the floor" if robot == ABOVE else f"the camera of {robot_node(robot)}"
         self.viewers: set[Viewer] = set()
         self.state, self.reason = WAITING, "the camera is looked for"
         self.picture: Picture | None = None
@@ -68,27 +69,23 @@ class Camera:
         while True:
             began = self._loop.time()
             try:
-                await self._look()
-            except MasterError:  # the parameter is not set
+                await follow(await self._find(), partial(self._received, ClockOffset()))
+            except LookupError:
                 self._become(NONE)
             except StreamError as error:
                 self._become(WAITING, str(error))
             except Exception:  # this camera's trouble, and nobody else's
-                _log.exception("the camera of %s has failed", robot_node(self.robot))
+                _log.exception("%s has failed", self._name)
                 self._become(WAITING, "the relay has failed")
             self.picture = None
             await asyncio.sleep(began + RETRY - self._loop.time())
 
-    async def _look(self) -> None:
-        try:
-            address = address_of(await self._find())
-        except OSError:
-            raise StreamError("the ROS master does not tell where the camera is") from None
-        await follow(address, partial(self._received, ClockOffset()))
-
     def _received(self, offset: ClockOffset, part: Part) -> None:
         self._number += 1
-        picture = picture_of(part, self.robot, self._number, offset, time.time())
+        now = time.time()
+        if self.robot == ABOVE:  # any program may send its pictures
+            part = dated(part, now)
+        picture = picture_of(part, self.robot, self._number, offset, now)
         self._rate.add(1)
         self.picture = picture
         if picture.online:
@@ -100,5 +97,5 @@ class Camera:
     def _become(self, state: str, reason: str = "") -> None:
         if (state, reason) != (self.state, self.reason):
             self.state, self.reason = state, reason
-            _log.info("the camera of %s: %s", robot_node(self.robot), f"{state}, {reason}" if reason else state)
+            _log.info("%s: %s", self._name, f"{state}, {reason}" if reason else state)
             self._changed(self)

@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterable
 
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 
+from laser_bot_battle.names import ABOVE
 from laser_bot_battle.watched import counter, gauge, labelled
 from server.camera.camera import LIVE, NONE, WAITING, Camera
 
@@ -19,7 +20,11 @@ class Traffic:
 def metrics(viewers: int, cameras: Collection[Camera], traffic: Traffic, now: float) -> Iterable[Metric]:
     """`now` is Unix time in s."""
     states = Counter(camera.state for camera in cameras)
-    ages = {str(each.robot): now - each.picture.taken for each in cameras if each.picture is not None}
+    ages = {
+        "above" if each.robot == ABOVE else str(each.robot): now - each.picture.taken
+        for each in cameras
+        if each.picture is not None
+    }
     return [
         gauge("laserbot_relay_viewers", "Open WebSockets of those who may look through cameras.", viewers),
         labelled(

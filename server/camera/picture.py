@@ -23,6 +23,11 @@ class Picture(NamedTuple):
         return _HEADER.pack(self.robot, self.number & 0xFFFFFFFF, self.taken, sent) + self.jpeg
 
 
+def dated(part: Part, now: float) -> Part:
+    """With a time, at Unix time `now` in s: a camera that tells none took it, as far as anybody knows, when it came."""
+    return part if "x-timestamp" in part.headers else Part({**part.headers, "x-timestamp": f"{now:.6f}"}, part.body)
+
+
 def picture_of(part: Part, robot: int, number: int, offset: ClockOffset, received: float) -> Picture:
     """The picture in `part`, which was here at Unix time `received` in s. StreamError if it is none."""
     jpeg = part.body.rstrip(b"\0")  # some cameras fill up their buffer

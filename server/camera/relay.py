@@ -5,18 +5,23 @@ import logging
 import time
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
+from typing import Any
 
 import genpy
 from prometheus_client.core import Metric
+from std_msgs.msg import String
 
+from laser_bot_battle.master import MasterError
 from laser_bot_battle.msg import GameStatus
-from laser_bot_battle.names import GAME_STATUS, ROBOT_IDS, camera_parameter
+from laser_bot_battle.names import ABOVE, GAME_STATUS, OVERHEAD_CAMERA, ROBOT_IDS, camera_parameter
 from server.access.identity import MAX_SECRET, Claim, Identity
 from server.camera.access import CameraAccess
 from server.camera.budget import Budget, Meter
 from server.camera.camera import WAITING, Camera
 from server.camera.metrics import Traffic, metrics
+from server.camera.multipart import StreamError
 from server.camera.picture import Picture
+from server.camera.stream import Address, address_of, stream_of
 from server.camera.viewer import Viewer
 from server.websocket.connection import Connection
 from server.websocket.frames import frame
@@ -61,8 +66,9 @@ class Relay:
             "seen": self._seen,
             "figures": self._figures,
         }
-        kind = TypeSpec(GameStatus._type, GameStatus._md5sum, GameStatus._full_text)
-        node.subscribe(GAME_STATUS, kind, self._hear_referee)
+        self._above = ""  # where the camera above the floor is, if there is one
+        node.subscribe(GAME_STATUS, _spec(GameStatus), self._hear_referee)
+        node.subscribe(OVERHEAD_CAMERA, _spec(String), self._hear_tracker)
         self._loop.call_later(TICK, self._tick)
 
     def metrics(self) -> Iterable[Metric]:
@@ -107,8 +113,8 @@ class Relay:
 
     def _watch(self, viewer: Viewer, request: Request) -> None:
         robot = request.fields.get("robot")
-        if robot is not None and (type(robot) is not int or robot not in ROBOT_IDS):
-            raise RequestError(f"the field 'robot' must be the ID of a robot or null, not {brief(robot)}")
+        if robot is not None and (type(robot) is not int or (robot not in ROBOT_IDS and robot != ABOVE)):
+            raise RequestError(f"the field 'robot' must be the ID of a robot, {ABOVE} or null, not {brief(robot)}")
         viewer.watch(robot)
         self._check(viewer)
 
@@ -197,11 +203,33 @@ class Relay:
         newest = None
         if robot is not None:
             if robot not in self._cameras:
-                find = partial(self._node.master, "getParam", camera_parameter(robot))
-                self._cameras[robot] = Camera(robot, find, self._pictured, self._changed)
+                self._cameras[robot] = Camera(robot, partial(self._find, robot), self._pictured, self._changed)
             self._cameras[robot].viewers.add(viewer)
             newest = self._cameras[robot].picture
         viewer.turn(robot, newest)
+
+    # ---- where cameras are ----
+
+    def _hear_tracker(self, data: bytes, _: Mapping[str, str]) -> None:
+        try:
+            self._above = String().deserialize(data).data
+        except genpy.DeserializationError as error:
+            _log.warning("what the tracker says cannot be read: %s", error)
+
+    async def _find(self, robot: int) -> Address:
+        """LookupError if there is no such camera, StreamError if its address cannot be told."""
+        if robot == ABOVE:
+            if not self._above:
+                raise LookupError
+            if address := stream_of(self._above):
+                return address
+            raise StreamError("the tracker tells a wrong address of its camera")
+        try:
+            return address_of(await self._node.master("getParam", camera_parameter(robot)))
+        except MasterError:  # it is not set
+            raise LookupError from None
+        except OSError:
+            raise StreamError("the ROS master does not tell where the camera is") from None
 
     # ---- pictures ----
 
@@ -262,3 +290,8 @@ class Relay:
         self._traffic.sent += 1
         self._traffic.sent_bytes += len(message)
         self._connections[viewer].message("picture", message, 1)
+
+
+def _spec(kind: Any) -> TypeSpec:
+    """Of a generated message class."""
+    return TypeSpec(kind._type, kind._md5sum, kind._full_text)

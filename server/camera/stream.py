@@ -16,9 +16,10 @@ MAX_ADDRESS = 300  # characters
 STREAM = "/stream?extra_headers=1"  # of ustreamer, with the time of each picture
 
 _ADDRESS = re.compile(
-    r"http://(?P<host>[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):(?P<port>[0-9]{1,5})(?P<path>(/[\w.-]*)*)",
+    r"http://(?P<host>[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):(?P<port>[0-9]{1,5})(?P<target>(/[!-~]*)?)",
     re.ASCII | re.IGNORECASE,
 )
+_PATH = re.compile(r"(/[\w.-]*)*", re.ASCII)
 
 
 class Address(NamedTuple):
@@ -28,14 +29,32 @@ class Address(NamedTuple):
     port: int
     target: str  # its path there, and a query perhaps
 
+    @property
+    def url(self) -> str:
+        return f"http://{self.authority}{self.target}"
+
+    @property
+    def authority(self) -> str:
+        """Host and port, as HTTP has them."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{host}:{self.port}"
+
 
 def address_of(value: object) -> Address:
     """The address that a robot's parameter holds. StreamError for anything else than http://host:port/path: whoever
     is in the ROS network can set it."""
+    address = stream_of(value)
+    if not address or not _PATH.fullmatch(address.target):
+        raise StreamError("the robot tells a wrong address of its camera")
+    return address._replace(target=address.target.rstrip("/") + STREAM)
+
+
+def stream_of(value: object) -> Address | None:
+    """The address http://host:port/target of a stream; None for anything else."""
     match = _ADDRESS.fullmatch(value) if isinstance(value, str) and len(value) <= MAX_ADDRESS else None
     if not match or not 0 < int(match["port"]) < 2**16:
-        raise StreamError("the robot tells a wrong address of its camera")
-    return Address(match["host"].strip("[]"), int(match["port"]), match["path"].rstrip("/") + STREAM)
+        return None
+    return Address(match["host"].strip("[]"), int(match["port"]), match["target"])
 
 
 async def follow(address: Address, received: Callable[[Part], None]) -> None:
@@ -45,8 +64,7 @@ async def follow(address: Address, received: Callable[[Part], None]) -> None:
             reader, writer = await asyncio.open_connection(address.host, address.port, limit=CHUNK)
     except (OSError, UnicodeError):  # the latter for what can be no name, such as a..b
         raise StreamError("the camera cannot be reached") from None
-    host = f"[{address.host}]" if ":" in address.host else address.host
-    writer.write(f"GET {address.target} HTTP/1.0\r\nHost: {host}:{address.port}\r\n{RELAY_HEADER}: 1\r\n\r\n".encode())
+    writer.write(f"GET {address.target} HTTP/1.0\r\nHost: {address.authority}\r\n{RELAY_HEADER}: 1\r\n\r\n".encode())
     try:
         async with asyncio.timeout(CONNECT):
             head = await reader.readuntil(b"\r\n\r\n")

@@ -13,7 +13,7 @@ class Viewer:
     def __init__(self, identity: Identity, address: str) -> None:
         self.identity, self.address = identity, address
         self.claim: Claim | None = None  # to be somebody else
-        self.wish: int | None = None  # the robot to look through
+        self.wish: int | None = None  # the robot to look through, or ABOVE
         self.robot: int | None = None  # the one that may be looked through
         self._next: Picture | None = None
         self._unseen = 0

@@ -9,16 +9,16 @@ from typing import NoReturn
 from PIL import Image
 
 from laser_bot_battle.apriltag import Detection, Detector
+from laser_bot_battle.names import ABOVE
 from server.camera.clock import ClockOffset
 from server.camera.multipart import Part, StreamError
-from server.camera.picture import Picture, picture_of
+from server.camera.picture import Picture, dated, picture_of
 from server.camera.stream import Address, follow
 from server.overhead.view import Size
 
 RETRY = 1.0  # s from one attempt to connect to the next
 MOST_PIXELS = 4_000_000  # of a picture; twice as many take a second to look through
 FINE = 900  # pixels of a picture's width; in a larger one tags are large enough to skip every second row
-NO_ROBOT = 0  # whose camera it would be
 
 
 class Eye:
@@ -26,7 +26,7 @@ class Eye:
 
     def __init__(self, address: Address) -> None:
         self._address = address
-        self.url = f"http://{address.host}:{address.port}{address.target}"
+        self.url = address.url
         self._come = asyncio.Event()
         self._picture: Picture | None = None
         self.pictures = 0  # that have come
@@ -51,10 +51,8 @@ class Eye:
 
     def _received(self, offset: ClockOffset, part: Part) -> None:
         now = time.time()
-        if "x-timestamp" not in part.headers:  # it was taken, as far as anybody knows, when it came
-            part = Part({**part.headers, "x-timestamp": f"{now:.6f}"}, part.body)
         self.pictures += 1
-        picture = picture_of(part, NO_ROBOT, self.pictures, offset, now)
+        picture = picture_of(dated(part, now), ABOVE, self.pictures, offset, now)
         if not picture.online:
             self.trouble = "the camera is away from its ustreamer: look at its cable"
             return

@@ -1,4 +1,4 @@
-"""What the tracker tells ROS: /positions, /overhead/status, and /tf for the tools of ROS."""
+"""What the tracker tells ROS: /positions, /overhead/view, and /tf for the tools of ROS."""
 
 import io
 import math
@@ -7,8 +7,9 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from laser_bot_battle.floor import Floor
-from laser_bot_battle.msg import Positions, RobotPosition
+from laser_bot_battle.msg import OverheadView, Positions, RobotPosition
 from server.overhead.robots import Seen
+from server.overhead.view import View
 from tcpros.specs import TypeSpec
 
 FRAME = "floor"  # m from its lower left corner, x to the right, y up, z towards the camera
@@ -67,6 +68,22 @@ def positions(floor: Floor, robots: Iterable[Seen]) -> bytes:
             height=floor.height,
             walls=[number for wall in floor.walls for number in wall],
             robots=[RobotPosition(seen.robot, *seen.place) for seen in robots],
+        )
+    )
+
+
+def sight(view: View | None, tag_height: float) -> bytes:
+    """An OverheadView: with a width of 0 if the camera's view is not known."""
+    if view is None:
+        return packed(OverheadView())
+    return packed(
+        OverheadView(
+            width=view.size[0],
+            height=view.size[1],
+            homography=view.homography.ravel().tolist(),
+            bend=view.bend,
+            camera=view.camera.tolist(),
+            tag_height=tag_height,
         )
     )
 

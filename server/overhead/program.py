@@ -9,16 +9,18 @@ from functools import partial
 from typing import NoReturn
 
 from prometheus_client.core import Metric
+from std_msgs.msg import String
 
-from laser_bot_battle.msg import OverheadStatus, Positions, Robot_msg
-from laser_bot_battle.names import OVERHEAD_STATUS, POSITIONS, command_topic
+from laser_bot_battle.msg import OverheadStatus, OverheadView, Positions, Robot_msg
+from laser_bot_battle.names import OVERHEAD_CAMERA, OVERHEAD_STATUS, OVERHEAD_VIEW, POSITIONS, command_topic
 from laser_bot_battle.watched import counter, gauge
 from server.camera.budget import Meter
 from server.overhead.eye import Eye, Looker, PictureError
-from server.overhead.messages import TF, packed, positions, spec_of, transforms
+from server.overhead.messages import TF, packed, positions, sight, spec_of, transforms
 from server.overhead.robots import Seen
 from server.overhead.settings import Settings
 from server.overhead.tracker import Tracker
+from server.overhead.view import View, has_moved
 from tcpros.node import Node
 
 _log = logging.getLogger(__name__)
@@ -38,11 +40,15 @@ class OverheadProgram:
         """Needs a running event loop."""
         self._loop = asyncio.get_running_loop()
         self._node, self._eye, self._looker = node, eye, looker
-        self._floor = settings.floor
+        self._floor, self._tag_height = settings.floor, settings.tag_height
         self._tracker = Tracker(settings.floor, settings.camera_height, settings.tag_height)
         self._positions = node.advertise(POSITIONS, spec_of(Positions), latest=True)
         self._tf = node.advertise("/tf", TF, latest=True)
         self._status = node.advertise(OVERHEAD_STATUS, spec_of(OverheadStatus), latch=True)
+        self._sight = node.advertise(OVERHEAD_VIEW, spec_of(OverheadView), latch=True)
+        self._view: View | None = None  # that was told
+        self._sight.publish(sight(None, self._tag_height))
+        node.advertise(OVERHEAD_CAMERA, spec_of(String), latch=True).publish(packed(String(eye.url)))
         self._followed: set[int] = set()  # robots whose commands are heard
         self._rate = Meter(self._loop.time())  # of pictures that were looked at
         self._looked = 0
@@ -96,6 +102,7 @@ class OverheadProgram:
         self._looked += 1
         self._rate.add(1)
         self._tracker.see(tags, size, taken)
+        self._tell_view()
         self._age = self._loop.time() - taken
         self._tell()
 
@@ -117,6 +124,12 @@ class OverheadProgram:
             self._followed.add(robot)
             self._node.subscribe(command_topic(robot), spec_of(Robot_msg), partial(self._hear, robot))
         self._tell_status(robots, now)
+
+    def _tell_view(self) -> None:
+        view = self._tracker.view
+        if has_moved(self._view, view, self._floor):
+            self._view = view
+            self._sight.publish(sight(view, self._tag_height))
 
     def _tell_status(self, robots: list[Seen], now: float) -> None:
         troubles = self._troubles(now)
@@ -140,7 +153,7 @@ class OverheadProgram:
             self._tracker.command(robot, linear_x, angular_z, self._loop.time())
 
     def _places(self) -> bool:
-        return self._tracker.knows_floor and not self._eye.trouble and not self._broken
+        return self._tracker.view is not None and not self._eye.trouble and not self._broken
 
     def _troubles(self, now: float) -> dict[object, str]:
         trouble = self._eye.trouble or self._broken

@@ -37,8 +37,9 @@ class Tracker:
         """numbers of those in the last picture"""
 
     @property
-    def knows_floor(self) -> bool:
-        return self._sight.view is not None
+    def view(self) -> View | None:
+        """How the camera sees the floor; None: where that is in the picture is not known."""
+        return self._sight.view
 
     def command(self, robot: int, linear_x: int, angular_z: int, now: float) -> None:
         """A robot is told to move so (Robot_msg)."""

@@ -11,6 +11,8 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from laser_bot_battle.tags import Rectangle
+
 Floats = NDArray[np.floating[Any]]
 Size = tuple[int, int]  # width and height of a picture, in pixels
 
@@ -18,6 +20,7 @@ BENDS = np.linspace(-0.4, 0.2, 7)  # with which the search begins
 STEPS = 15  # of the search, at most,
 ENOUGH = 1e-6  # share of what is left: one that gains less is the last
 STRAIGHTEN = 10  # steps that undo the lens; with 6 of them nothing changes any more
+STILL = 1.0  # pixels by which a floor that has not moved seems to, at most
 FOCAL_LENGTHS = (0.1, 20.0)  # in halves of the picture's width
 
 
@@ -60,6 +63,19 @@ class View:
         over = self.camera[:2]
         places: Floats = over + (on_floor - over) * (1 - height / self.camera[2])
         return places
+
+    def pixels(self, places: Floats) -> Floats:
+        """Where in the picture these places on the floor are."""
+        pixels: Floats = _bent(_project(self.homography, places), self.bend) * (self.size[0] / 2)
+        return pixels + np.array(self.size) / 2
+
+
+def has_moved(before: View | None, after: View | None, floor: Rectangle) -> bool:
+    """Whether the floor is seen elsewhere: each measurement differs a little from the one before."""
+    if before is None or after is None:
+        return before is not after
+    corners = np.array([(x, y) for x in (0, floor.width) for y in (0, floor.height)])
+    return bool(np.abs(after.pixels(corners) - before.pixels(corners)).max() > STILL)
 
 
 def _normal(pixels: Floats, size: Size) -> Floats:

@@ -10,8 +10,8 @@ import struct
 import time
 from collections.abc import Callable
 
-from laser_bot_battle.msg import GameStatus, Positions, Robot_msg, Shot, UserStatus
-from laser_bot_battle.names import GAME_STATUS, POSITIONS, SHOTS, command_topic
+from laser_bot_battle.msg import GameStatus, OverheadView, Positions, Robot_msg, Shot, UserStatus
+from laser_bot_battle.names import GAME_STATUS, OVERHEAD_VIEW, POSITIONS, SHOTS, command_topic
 from server.access.globs import Globs
 from server.access.identity import Identity, People
 from server.websocket.requests import RequestError
@@ -19,7 +19,12 @@ from server.websocket.requests import RequestError
 COMMAND_TYPE = Robot_msg._type
 STATUS_TYPE = GameStatus._type
 # what everybody may look at, and its type
-PUBLIC = {GAME_STATUS: STATUS_TYPE, POSITIONS: Positions._type, SHOTS: Shot._type}
+PUBLIC = {
+    GAME_STATUS: STATUS_TYPE,
+    POSITIONS: Positions._type,
+    SHOTS: Shot._type,
+    OVERHEAD_VIEW: OverheadView._type,
+}
 # The referee speaks at least every 0.5 s. When it is silent for so long it is gone, and with it every right to drive.
 REFEREE_SILENCE = 3.0  # s
 NO_GLOBS = Globs()

@@ -32,11 +32,14 @@ ADD_NEW_ROBOT = "/add_new_robot"
 GAME_STATUS = "/game_status"
 POSITIONS = "/positions"
 OVERHEAD_STATUS = "/overhead/status"
+OVERHEAD_VIEW = "/overhead/view"
+OVERHEAD_CAMERA = "/overhead/camera"
 SHOTS = "/shots"
 
 KEY_FIELD = "laserbot_key"  # of the connection header in which a robot registers: the digest of its key
 
 ROBOT_IDS = range(128)  # what fits the int8 of AddNewRobot.srv
+ABOVE = 255  # stands for a robot's ID where the camera above the floor is meant (docs/protocol-camera.md)
 
 # with which the relay asks for a camera's pictures: no page can send it to another origin
 RELAY_HEADER = "X-Laserbot-Relay"

@@ -3,12 +3,13 @@
 import time
 from collections.abc import Callable
 
+from laser_bot_battle.names import ABOVE, OVERHEAD_CAMERA
 from tests.integration.camera.conftest import Relay, tell_camera
 from tests.integration.rosbridge.ends import RosSide
-from tests.support.fake_camera import FakeCamera
+from tests.support.fake_camera import FakeCamera, with_headers
 from tests.support.polling import until
 from tests.support.ros import RosMaster
-from tests.support.viewer import Viewer
+from tests.support.viewer import Shot, Viewer
 
 Start = Callable[..., tuple[int, FakeCamera]]
 Connect = Callable[..., Viewer]
@@ -107,6 +108,27 @@ def test_a_camera_that_becomes_known_later_is_found(camera: Start, viewer: Conne
     tell_camera(ros_master, 100, eye.url)
     someone.state("live")
     assert someone.picture().robot == 100
+
+
+def test_the_camera_above_the_floor_is_where_the_tracker_says(camera: Start, viewer: Connect, referee: RosSide) -> None:
+    someone = viewer()
+    someone.watch(ABOVE)
+    assert someone.state("none") == ""
+    _, eye = camera(rate=5)
+    eye.part = lambda _, jpeg: with_headers(jpeg, f"Content-Length: {len(jpeg)}")  # any program's: without a time
+    pictures: list[Shot] = []
+
+    def comes(target: str) -> bool:
+        """Not every publisher is a latched one, and the first word of others may be lost."""
+        referee.publish(OVERHEAD_CAMERA, "std_msgs/String", data=f"{eye.url}{target}")
+        pictures.extend(message for message in someone.drain() if isinstance(message, Shot))
+        return bool(pictures)
+
+    until(lambda: comes("/video?size=large"), 10, "a picture")
+    assert eye.requests[-1] == "GET /video?size=large HTTP/1.0"
+    shot = pictures[-1]
+    assert shot.robot == ABOVE
+    assert abs(shot.taken - (time.time() - (time.monotonic() - shot.mark.made))) < 0.2
 
 
 def test_a_viewer_who_reads_but_has_not_drawn_gets_two_pictures(camera: Start, viewer: Connect) -> None:

@@ -4,11 +4,13 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
 import pytest
 import requests
 from prometheus_client.parser import text_string_to_metric_families
 
-from laser_bot_battle.names import OVERHEAD_STATUS, POSITIONS, WATCHED, command_topic
+from laser_bot_battle.names import OVERHEAD_CAMERA, OVERHEAD_STATUS, OVERHEAD_VIEW, POSITIONS, WATCHED, command_topic
+from server.overhead.view import View
 from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, RosSide
 from tests.support.documents import page, table
 from tests.support.fake_camera import FakeCamera, with_headers
@@ -33,6 +35,8 @@ class Hall:
         self.side.listen(POSITIONS, "laser_bot_battle/Positions")
         self.side.listen(OVERHEAD_STATUS, "laser_bot_battle/OverheadStatus")
         self.side.listen("/tf", "tf2_msgs/TFMessage")
+        self.side.listen(OVERHEAD_VIEW, "laser_bot_battle/OverheadView")
+        self.side.listen(OVERHEAD_CAMERA, "std_msgs/String")
         self.metrics = free_port()
         self.program = Program.python(
             "server.overhead",
@@ -95,6 +99,16 @@ def test_the_tools_of_ros_get_transforms(hall: Hall) -> None:
     assert (one["header"]["frame_id"], one["child_frame_id"]) == ("floor", "robot1")
     assert one["transform"]["translation"]["x"] == pytest.approx(0.3, abs=0.005)
     assert 2 * math.asin(one["transform"]["rotation"]["z"]) == pytest.approx(0.5, abs=0.03)
+
+
+def test_pages_can_lay_the_picture_flat_and_the_relay_knows_where_it_is(hall: Hall) -> None:
+    until(lambda: any(view["width"] for view in hall.side.heard(OVERHEAD_VIEW)), 10, "a view")
+    told = hall.side.heard(OVERHEAD_VIEW)[-1]
+    assert (told["width"], told["height"], told["tag_height"]) == (1280, 720, pytest.approx(0.11))
+    view = View((told["width"], told["height"]), np.reshape(told["homography"], (3, 3)), told["bend"], told["camera"])
+    places = np.array([(0.1, 0.2, 0), (1.5, 1.1, 0)])
+    assert np.abs(view.pixels(places[:, :2]) - VIEW.pixels(places)).max() < 1
+    assert hall.side.heard(OVERHEAD_CAMERA) == [{"data": f"{hall.camera.url}/stream?extra_headers=1"}]
 
 
 def test_a_covered_robot_moves_on_by_its_commands_and_is_marked(hall: Hall) -> None:

@@ -3,6 +3,7 @@
 import pytest
 
 from laser_bot_battle.msg import GameStatus, UserStatus
+from laser_bot_battle.names import ABOVE
 from server.access.identity import FOREIGN_GUEST, GUEST, OPERATOR, Identity, session_identity
 from server.camera.access import CameraAccess
 from tests.support.documents import page
@@ -38,6 +39,14 @@ def access(game: int, hide: bool) -> CameraAccess:
 def test_the_table(who: Identity, game: int, hide: bool, seen: set[int]) -> None:
     rules = access(game, hide)
     assert {robot for robot in (0, 1, 2) if not rules.refuses(who, robot)} == seen
+
+
+@pytest.mark.parametrize("game", [STOPPED, COUNTDOWN, PLAYING])
+@pytest.mark.parametrize("hide", [FREE, HIDDEN])
+def test_where_robots_are_may_be_seen_by_all_of_the_games_own_pages(game: int, hide: bool) -> None:
+    rules = access(game, hide)
+    assert [rules.refuses(who, ABOVE) for who in (OPERATOR, AL, BO, CY, GUEST)] == [""] * 5
+    assert rules.refuses(FOREIGN_GUEST, ABOVE)
 
 
 def test_a_refusal_says_why() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from server.camera.clock import ClockOffset
 from server.camera.multipart import Parts, StreamError
-from server.camera.picture import Picture, picture_of
+from server.camera.picture import Picture, dated, picture_of
 from tests.unit.camera.parts import BOUNDARY, JPEG, part
 
 RECEIVED = 2000.0
@@ -55,3 +55,10 @@ def test_what_does_not_begin_and_end_as_a_jpeg_is_an_error(body: bytes) -> None:
 def test_a_picture_without_a_time_is_an_error(stamp: str | None) -> None:
     with pytest.raises(StreamError, match="when a picture was taken"):
         picture(X_Timestamp=stamp)
+
+
+def test_a_camera_without_a_clock_takes_its_pictures_when_they_come() -> None:
+    (one,) = Parts(BOUNDARY).feed(part(JPEG, X_Timestamp=None))
+    assert picture_of(dated(one, RECEIVED), 3, 1, ClockOffset(), RECEIVED).taken == RECEIVED
+    (other,) = Parts(BOUNDARY).feed(part(JPEG, X_Timestamp="1000.000000"))
+    assert dated(other, RECEIVED) is other

@@ -3,7 +3,7 @@
 import pytest
 
 from server.camera.multipart import StreamError
-from server.camera.stream import Address, address_of
+from server.camera.stream import Address, address_of, stream_of
 
 
 @pytest.mark.parametrize(
@@ -30,3 +30,24 @@ def test_an_address(value: str, address: Address) -> None:
 def test_what_is_no_address(value: object) -> None:
     with pytest.raises(StreamError, match="the robot tells a wrong address of its camera"):
         address_of(value)
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "http://192.168.1.30:8090/stream?extra_headers=1",
+        "http://cam:81/a/b.mjpg?fps=5&q=80%25",
+        "http://[fe80::1]:80/x",
+    ],
+)
+def test_the_whole_address_of_a_stream(url: str) -> None:
+    address = stream_of(url)
+    assert address
+    assert address.url == url
+
+
+@pytest.mark.parametrize(
+    "value", ["", None, "http://1.2.3.4/x", "http://h:80/a b", "http://h:80/\r\nX: y", "ftp://h:80/x", "http://h:0/x"]
+)
+def test_what_is_no_stream(value: object) -> None:
+    assert stream_of(value) is None

@@ -11,6 +11,7 @@ from laser_bot_battle.apriltag import Detection
 from laser_bot_battle.tags import FLOOR_TAG_SIZE, ROBOT_TAG_SIZE, floor_tags
 from server.overhead.motion import FULL_SPEED, Place
 from server.overhead.tracker import Tracker
+from server.overhead.view import View, has_moved
 from tests.support.overhead_camera import SIZE, TAG_HEIGHT, Floor, OverheadCamera
 
 FRAME = 1 / 15  # s from one picture to the next
@@ -112,6 +113,24 @@ def test_a_pushed_camera_measures_the_floor_again(watch: Watch) -> None:
     assert miss(watch.places[1], ROBOTS[1])[0] < 3
 
 
+def test_where_the_floor_is_in_the_picture_is_news_when_the_camera_was_pushed_and_not_with_each_measurement() -> None:
+    watch = Watch(OverheadCamera(tilt=10, bend=-0.1, noise=0.1))
+    views: list[View | None] = [None]
+    for pushed in (0.0, 0.02):
+        watch.camera.x += pushed
+        for _ in range(120):  # 8 s: it is measured some times
+            watch.look(pictures=1)
+            if has_moved(views[-1], watch.tracker.view, watch.camera.floor):
+                views.append(watch.tracker.view)
+    assert len(views) == 3
+    watch.camera.noise = 0
+    places = np.array([(0.1, 0.2, 0), (3.9, 2, 0), (2, 0, 0)])
+    last = views[-1]
+    assert last is not None
+    assert np.abs(last.pixels(places[:, :2]) - watch.camera.pixels(places)).max() < 1
+    assert has_moved(last, None, watch.camera.floor)
+
+
 def test_a_pushed_camera_tells_no_places_until_it_knows_the_floor_again(watch: Watch) -> None:
     watch.look()
     watch.camera.x += 0.1
@@ -164,7 +183,7 @@ def test_no_garbage_ends_the_tracker() -> None:
         corners = random.normal(0, scale, (6, 4, 2)) * random.integers(0, 2, (6, 1, 1))
         watch.see([Detection(200 + index, tuple(map(tuple, each)), 50.0) for index, each in enumerate(corners)], 1)  # type: ignore[arg-type]
         watch.now += 1
-    assert not watch.tracker.knows_floor
+    assert watch.tracker.view is None
 
 
 def test_a_pushed_camera_is_told_even_when_a_measurement_was_due(watch: Watch) -> None:
@@ -264,7 +283,7 @@ def test_ten_thousand_false_detections_do_no_harm(watch: Watch) -> None:
     watch.see(watch.camera.floor_tags() + watch.camera.robots(ROBOTS) + false)
     assert watch.places.keys() == ROBOTS.keys()
     assert all(miss(watch.places[robot], ROBOTS[robot])[0] < 3 for robot in ROBOTS)
-    assert watch.tracker.knows_floor
+    assert watch.tracker.view is not None
 
 
 def test_robots_that_crowd_are_never_taken_for_each_other() -> None:
@@ -285,5 +304,5 @@ def test_robots_that_crowd_are_never_taken_for_each_other() -> None:
 def test_pictures_of_another_size_are_measured_anew(watch: Watch) -> None:
     watch.look()
     watch.tracker.see([], (640, 480), watch.now + FRAME)
-    assert not watch.tracker.knows_floor
+    assert watch.tracker.view is None
     assert "640 x 480" in "".join(watch.tracker.news())
