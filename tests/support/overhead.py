@@ -73,6 +73,10 @@ class Hall:
         self.tracker.see(self._detector.detect(picture[0].tobytes(), WIDTH, HEIGHT), (WIDTH, HEIGHT), self.now)
         self.painting, self.finding = painted - start, time.process_time() - painted
 
+    def jpeg(self) -> bytes:
+        """A picture of now, as the camera sends it."""
+        return self._painter.jpeg(scene_of(self.world, "above", self.now, self.now))
+
     def play(self, seconds: float, chance: random.Random | None = None, rate: float = RATE) -> Iterator[None]:
         """Robots that drive at full speed as `chance` has it, if any; gives the time before each look: the places are
         then as old as they ever are."""

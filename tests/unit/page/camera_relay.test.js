@@ -126,6 +126,33 @@ test("one picture is decoded at a time, and of those that wait only the newest i
   assert.equal(ops(sockets[0], "seen").length, 3);
 });
 
+test("a page that wants fewer pictures asks for them more slowly, and gets the newest", async () => {
+  make({ pace: 200 });
+  sockets[1].tell("live");
+  const show = async (first) => {
+    sockets[1].show({ jpeg: [first] });
+    await finish();
+  };
+  const seen = () => ops(sockets[1], "seen").length;
+  await show(1);
+  assert.equal(seen(), 1);
+  now += 0.05;
+  await show(2); // of two that may be on their way
+  await show(3);
+  assert.equal(seen(), 1);
+  pass(0.16);
+  assert.equal(seen(), 2);
+  pass(0.2);
+  assert.equal(seen(), 3);
+  await show(4);
+  pass(0.1);
+  assert.equal(seen(), 3);
+  camera.stop();
+  pass(0.2);
+  assert.equal(seen(), 3);
+  assert.deepEqual(drawn.map(([first]) => first), [1, 2, 3, 4]);
+});
+
 test("a broken picture is skipped, and the next one is drawn", async () => {
   sockets[0].tell("live");
   sockets[0].show({ jpeg: [1] });

@@ -108,6 +108,7 @@ test("a camera that somebody looks through", () => {
   assert.deepEqual(row(), {
     id: "Robot 3", state: { text: "live", level: "" }, viewers: "5", rate: "19.9/s", age: { text: "0.03 s", level: "" }, size: "11.2 kB",
   });
+  assert.equal(row({ robot: 255 }).id, "Camera above the floor");
   assert.equal(row({ age: 1.2 }).age.level, "bad");
   const away = row({ state: "waiting", age: null, kilobytes: null });
   assert.deepEqual([away.state, away.age, away.size], [{ text: "no picture", level: "bad" }, "-", "-"]);

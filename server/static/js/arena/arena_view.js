@@ -8,6 +8,7 @@ import { Motion } from "./motion.js";
 import { Picture } from "./picture.js";
 import { readPositions } from "./positions.js";
 import { Presence } from "./presence.js";
+import { MARGIN } from "./scene.js";
 import { Shooting } from "./shooting.js";
 
 const TICK = 500; // ms between two looks at whether positions come
@@ -20,6 +21,7 @@ const seconds = () => performance.now() / 1000;
 export class ArenaView {
   #box;
   #onState;
+  #onFrame;
   #picture;
   #motion = new Motion();
   #shooting = new Shooting();
@@ -31,10 +33,12 @@ export class ArenaView {
   /**
    * @param {HTMLElement} box with a <canvas> and a <p> for an empty floor; hidden until there is something to see
    * @param {(state: ArenaState) => void} onState on each change
+   * @param {(frame: import("../overhead/rectify.js").Frame) => void} [onFrame] what the picture shows, on each change
    */
-  constructor(box, onState) {
+  constructor(box, onState, onFrame = () => {}) {
     this.#box = box;
     this.#onState = onState;
+    this.#onFrame = onFrame;
     const words = { you: t("game.you"), hit: t("arena.hit") };
     this.#picture = new Picture(box.querySelector("canvas"), (now) => this.#shooting.on(this.#motion.at(now), now), words);
     setInterval(() => {
@@ -69,6 +73,11 @@ export class ArenaView {
     this.#picture.scale = scale;
   }
 
+  /** What is under the robots instead of the drawn floor: the frame. @param {OffscreenCanvas|null} picture */
+  set realFloor(picture) {
+    this.#picture.realFloor = picture;
+  }
+
   #see(message) {
     const seen = readPositions(message);
     if (!seen) return;
@@ -81,6 +90,8 @@ export class ArenaView {
       this.#motion.clear();
       this.#motion.add(seen.robots, seconds());
       this.#picture.build(seen.floor);
+      const { width, height } = seen.floor;
+      this.#onFrame({ left: -MARGIN, bottom: -MARGIN, right: width + MARGIN, top: height + MARGIN });
     }
     const before = this.#robots;
     this.#robots = seen.robots;

@@ -1,7 +1,7 @@
 // The floor and its walls: painted once for each size of the canvas.
 
-/** Paint the floor of an arena; the context is in metres, y up. */
-export function paintFloor(context, { width, height, walls }) {
+/** Paint the ground of an arena; the context is in metres, y up. */
+export function paintGround(context, { width, height }) {
   const light = context.createRadialGradient(width / 2, height / 2, 0, width / 2, height / 2, width * 0.65);
   light.addColorStop(0, "#16213f");
   light.addColorStop(0.6, "#0d1429");
@@ -10,9 +10,13 @@ export function paintFloor(context, { width, height, walls }) {
   context.fillRect(0, 0, width, height);
   paintGrid(context, width, height);
   paintMarks(context, width, height);
+}
+
+/** Paint its walls, likewise. */
+export function paintWalls(context, { width, height, walls }) {
   const isOuter = ([x1, y1, x2, y2]) => (x1 === x2 && (x1 === 0 || x1 === width)) || (y1 === y2 && (y1 === 0 || y1 === height));
-  paintWalls(context, walls.filter(isOuter), ["#2d9bff", "#2f8dff", "#a9d8ff"]);
-  paintWalls(context, walls.filter((wall) => !isOuter(wall)), ["#b14dff", "#a04dff", "#ecd6ff"]);
+  paintTubes(context, walls.filter(isOuter), ["#2d9bff", "#2f8dff", "#a9d8ff"]);
+  paintTubes(context, walls.filter((wall) => !isOuter(wall)), ["#b14dff", "#a04dff", "#ecd6ff"]);
 }
 
 function paintGrid(context, width, height) {
@@ -39,7 +43,7 @@ function paintMarks(context, width, height) {
   }
 }
 
-function paintWalls(context, walls, [glow, tube, core]) {
+function paintTubes(context, walls, [glow, tube, core]) {
   const path = new Path2D();
   for (const [x1, y1, x2, y2] of walls) {
     path.moveTo(x1, y1);

@@ -44,6 +44,12 @@ export class Picture {
     this.wake();
   }
 
+  /** What is under the robots instead of the drawn floor; null: nothing. @param {OffscreenCanvas|null} picture */
+  set realFloor(picture) {
+    this.#scene.realFloor = picture;
+    this.#loop.wake();
+  }
+
   /** Hills, and what lies on the floor. @param {import("../battle/messages.js").Place[]} places */
   set places(places) {
     const news = JSON.stringify(places);

@@ -8,13 +8,15 @@ import { drawTrack } from "./tracks.js";
 import { EMITTER, Memory } from "./memory.js";
 import { DRIFT, isDue, isOther, MOTION, REST } from "./pace.js";
 import { drawPlaces } from "./places.js";
-import { paintFloor } from "./floor.js";
+import { paintGround, paintWalls } from "./floor.js";
 import { Sparks } from "./sparks.js";
 import { Sprites } from "./sprites.js";
 import { Tags } from "./tags.js";
 
 export const MARGIN = 0.05; // m around the floor, for the outer walls' glow
 const DIM = 0.5; // alpha of a robot that nobody plays
+const NIGHT = "#05070f";
+const DUSK = "rgba(5, 7, 15, 0.4)"; // over a real floor: names and light are made for a dark one
 
 /** What is drawn of a robot that nobody is known to play. */
 const NOBODY = { player: null, isMe: false, out: false };
@@ -26,7 +28,9 @@ export class Scene {
   #sparks = new Sparks();
   #tags = new Tags();
   #arena = null;
-  #floor;
+  #floor; // drawn
+  #walls; // alone, for the real floor
+  #realFloor = null;
   #sprites;
   #room = { width: 0, height: 0 }; // CSS px
   #density = 0; // canvas pixels for a CSS px
@@ -56,6 +60,12 @@ export class Scene {
     this.#drawn = null;
   }
 
+  /** What is under the robots instead of the drawn floor, which it shows with a margin of MARGIN. @param {OffscreenCanvas|null} picture */
+  set realFloor(picture) {
+    this.#realFloor = picture;
+    this.#drawn = null;
+  }
+
   /** Fit the floor into so much room (CSS px). */
   resize(width, height) {
     this.#room = { width, height };
@@ -79,15 +89,41 @@ export class Scene {
     this.#canvas.width = Math.max(1, Math.round(width * scale * density));
     this.#canvas.height = Math.max(1, Math.round(height * scale * density));
     this.#scale = scale * density;
-    const floor = new OffscreenCanvas(this.#canvas.width, this.#canvas.height);
-    const context = floor.getContext("2d", { alpha: false });
-    context.fillStyle = "#05070f";
-    context.fillRect(0, 0, floor.width, floor.height);
-    this.#toMetres(context);
-    paintFloor(context, this.#arena);
-    this.#floor = floor.transferToImageBitmap();
+    this.#floor = this.#painted((context) => {
+      context.fillStyle = NIGHT;
+      context.fillRect(0, 0, this.#canvas.width, this.#canvas.height);
+      this.#toMetres(context);
+      paintGround(context, this.#arena);
+      paintWalls(context, this.#arena);
+    });
+    this.#walls = null;
     this.#sprites = new Sprites(this.#scale, this.#arena.robot_radius);
     this.#tags.clear();
+  }
+
+  /** A layer as large as the canvas. */
+  #painted(paint) {
+    const layer = new OffscreenCanvas(this.#canvas.width, this.#canvas.height);
+    paint(layer.getContext("2d"));
+    return layer.transferToImageBitmap();
+  }
+
+  #drawFloor(context) {
+    if (!this.#realFloor) {
+      context.drawImage(this.#floor, 0, 0);
+      return;
+    }
+    this.#walls ??= this.#painted((layer) => {
+      this.#toMetres(layer);
+      paintWalls(layer, this.#arena);
+    });
+    const { width, height } = this.#canvas;
+    context.fillStyle = NIGHT; // where the camera sees nothing
+    context.fillRect(0, 0, width, height);
+    context.drawImage(this.#realFloor, 0, 0, width, height);
+    context.fillStyle = DUSK;
+    context.fillRect(0, 0, width, height);
+    context.drawImage(this.#walls, 0, 0);
   }
 
   #toMetres(context) {
@@ -136,7 +172,7 @@ export class Scene {
     this.#prepare(Math.min(window.devicePixelRatio || 1, effects.density));
     const context = this.#context;
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.drawImage(this.#floor, 0, 0);
+    this.#drawFloor(context);
     for (const robot of this.#memory.follow(robots, now)) {
       this.#sparks.burst(robot, this.#arena.robot_radius, this.#arena.height, still ? 0 : effects.sparks, now);
     }

@@ -3,7 +3,7 @@
 import { number, t } from "../common/words.js";
 
 const NOTICEABLE = 0.3; // s
-const STALE = 1; // s; whoever drives by such a picture drives blind
+export const STALE = 1; // s; whoever drives by such a picture drives blind
 
 /**
  * @param {number} age of the picture on the screen, in s

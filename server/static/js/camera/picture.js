@@ -1,6 +1,7 @@
 // A picture as the relay sends it, docs/protocol-camera.md. Pure.
 
 const HEADER = 24; // bytes before the JPEG
+export const ABOVE = 255; // stands for a robot's ID where the camera above the floor is meant
 
 /**
  * @typedef {object} Picture

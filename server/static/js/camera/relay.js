@@ -41,6 +41,8 @@ export class Camera {
   #next = null; // the newest picture that waits for the one being decoded
   #decoding = false;
   #attempts = 0;
+  #pace; // ms between two pictures at least
+  #nextAt = -Infinity; // when the relay may be told that the next one was seen, s
   #cancel = () => {}; // of the timer for this connection's end, or the next one's beginning
 
   /**
@@ -52,14 +54,16 @@ export class Camera {
    * @param {(figures: object) => void} [wiring.onFigures] what operators get for `askFigures`
    * @param {() => Promise<{user?: string, ticket: string}|null>} [wiring.getTicket] says whose page this is: the cookie
    *   does not always come along with a WebSocket
+   * @param {number} [wiring.pace] ms between two pictures; the newest is as new as without it
    * @param {object} world sockets, pictures, time and the page's visibility; tests have their own
    */
-  constructor({ url, onState = () => {}, onPicture = () => {}, onFigures = () => {}, getTicket }, world = browser) {
+  constructor({ url, onState = () => {}, onPicture = () => {}, onFigures = () => {}, getTicket, pace = 0 }, world = browser) {
     this.#url = url;
     this.#onState = onState;
     this.#onPicture = onPicture;
     this.#onFigures = onFigures;
     this.#getTicket = getTicket;
+    this.#pace = pace;
     this.#world = world;
     world.onHiding(() => this.#sayWish());
   }
@@ -72,7 +76,7 @@ export class Camera {
     this.#drop();
   }
 
-  /** Look through the camera of this robot from now on, or through none. @param {number|null} robot */
+  /** Look through the camera of this robot from now on, through the one ABOVE, or through none. @param {number|null} robot */
   watch(robot) {
     if (robot === this.#wish) return;
     this.#wish = robot;
@@ -150,7 +154,7 @@ export class Camera {
     if (!picture) return;
     this.#awaitPicture();
     const takenAt = picture.taken + this.#clock.sample(picture.sent, this.#world.now());
-    if (this.#next) this.#say({ op: "seen" }); // it gives way
+    if (this.#next) this.#seen(this.#socket); // it gives way
     this.#next = { ...picture, takenAt, socket: this.#socket };
     if (this.#decoding) return;
     this.#decoding = true;
@@ -167,7 +171,17 @@ export class Camera {
     if (socket !== this.#socket) return;
     if (bitmap && this.#allowed && robot === this.#said) this.#onPicture(bitmap, takenAt);
     bitmap?.close();
-    this.#say({ op: "seen" });
+    this.#seen(socket);
+  }
+
+  /** The relay may send another one. */
+  #seen(socket) {
+    const now = this.#world.now();
+    const wait = Math.max(0, this.#nextAt - now);
+    this.#nextAt = now + wait + this.#pace / 1000;
+    const say = () => socket === this.#socket && this.#say({ op: "seen" });
+    if (wait > 0) this.#world.later(wait * 1000, say);
+    else say();
   }
 
   #endIn(ms) {

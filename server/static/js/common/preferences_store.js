@@ -10,6 +10,7 @@ const KINDS = {
   hints: [true, isBoolean],
   guide: [true, isBoolean],
   view: ["camera", (value) => value === "camera" || value === "arena"],
+  realFloor: [false, isBoolean],
 };
 
 function isBoolean(value) {
@@ -18,7 +19,8 @@ function isBoolean(value) {
 
 /**
  * `sound` (boolean), `volume` (0 to 1), `touch` ("pad" or "stick"), `hints` (boolean: whether the page tells the keys),
- * `guide` (boolean: whether the first steps are still to be shown) and `view` ("camera": the robot's camera, or "arena").
+ * `guide` (boolean: whether the first steps are still to be shown), `view` ("camera": the robot's camera, or "arena") and
+ * `realFloor` (boolean: whether robots are drawn on the picture of the camera above the floor).
  */
 export class Preferences {
   #getStorage;

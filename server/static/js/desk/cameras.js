@@ -2,6 +2,7 @@
 
 import * as api from "./api.js";
 import { socketAddress } from "../common/addresses.js";
+import { ABOVE } from "../camera/picture.js";
 import { Camera } from "../camera/relay.js";
 import { CameraView } from "../camera/view.js";
 import { setText } from "../common/dom.js";
@@ -42,10 +43,10 @@ export class Cameras {
     setInterval(() => document.hidden || this.#ask(), ASK);
   }
 
-  /** Look through the camera of this robot. */
+  /** Look through the camera of this robot, or the one ABOVE. */
   look(robot) {
     this.#opener = document.activeElement;
-    setText(byId("camera-title"), t("desk.camera_of", { id: robot }));
+    setText(byId("camera-title"), robot === ABOVE ? t("desk.camera_above") : t("desk.camera_of", { id: robot }));
     this.#picture.clear();
     this.#camera.watch(robot);
     byId("camera-panel").hidden = false;
@@ -74,7 +75,10 @@ export class Cameras {
     setText(byId("cameras-rate"), of(mbit, most_mbit));
     showRows(byId("cameras-rows"), cameras, {
       key: ({ robot }) => String(robot),
-      make: ({ robot }) => tableRow(COLUMNS, [rowButton(t("desk.camera"), t("desk.of_robot", { id: robot }), () => this.look(robot))]),
+      make: ({ robot }) => {
+        const about = robot === ABOVE ? t("desk.camera_above") : t("desk.of_robot", { id: robot });
+        return tableRow(COLUMNS, [rowButton(t("desk.camera"), about, () => this.look(robot))]);
+      },
       fill: (row, camera) => {
         for (const [field, value] of Object.entries(cameraRow(camera))) setCell(row, field, value);
       },

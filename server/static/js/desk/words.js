@@ -1,5 +1,6 @@
 // The words and decisions of the operator's desk: what a state says, what may be pressed, what a form has changed. Pure.
 
+import { ABOVE } from "../camera/picture.js";
 import { noticeText } from "../common/notice.js";
 import { clock as clockText } from "../results/replay.js";
 import { dateTime, number, percent, t } from "../common/words.js";
@@ -148,7 +149,7 @@ const LATE = 1; // s; the picture is grey then
  */
 export function cameraRow({ robot, viewers, rate, age, kilobytes, state }) {
   return {
-    id: t("desk.robot_id", { id: robot }),
+    id: robot === ABOVE ? t("desk.camera_above") : t("desk.robot_id", { id: robot }),
     state: { text: t(`desk.camera_${state}`), level: state === "waiting" ? "bad" : "" },
     viewers: number(viewers),
     rate: t("desk.per_second", { n: number(rate) }),

@@ -45,6 +45,7 @@ class Game {
   #heartbeat;
   #driver;
   #arena;
+  #realFloor;
   #ownCamera;
   #guide;
   #feed = new FeedList(byId("feed"));
@@ -67,7 +68,13 @@ class Game {
 
   constructor(me) {
     this.#me = me;
-    this.#arena = openArena((state) => this.#ownCamera.takeArena(state !== "none"));
+    const { arena, realFloor } = openArena({
+      preferences: this.#preferences,
+      getTicket: () => this.#session.check(),
+      onState: (state) => this.#ownCamera.takeArena(state !== "none"),
+    });
+    this.#arena = arena;
+    this.#realFloor = realFloor;
     this.#tournament = new OwnTournament(me.name, byId("tournament"));
     this.#session = new Session({
       me,
@@ -90,7 +97,7 @@ class Game {
         this.#showConnection();
       },
       getTicket: () => this.#session.check(),
-      topics: this.#arena.topics,
+      topics: [...arena.topics, ...realFloor.topics],
     });
     this.#heartbeat = new Heartbeat({
       post: () => {
@@ -303,6 +310,7 @@ class Game {
     this.#pulse.terminate();
     this.#connection.stop();
     this.#ownCamera.stop();
+    this.#realFloor.stop();
     storage.forget();
     dialogs.show({ ...message, ok: null });
     setTimeout(() => location.replace(page), ms);

@@ -6,6 +6,8 @@ import { socketAddress } from "../common/addresses.js";
 import { feedEntry, FeedList } from "../battle/feed_words.js";
 import { askLeaders, Leaders, serverDay } from "../results/leaders.js";
 import { connectPreferences } from "../common/preferences.js";
+import { Preferences } from "../common/preferences_store.js";
+import { RealFloor } from "../overhead/real_floor.js";
 import { ScreenSchedule } from "./screen_schedule.js";
 import { HallTournament } from "./tournament.js";
 import { StatusFeed } from "../battle/status_feed.js";
@@ -22,10 +24,12 @@ const feed = new FeedList(byId("feed"));
 const schedule = new ScreenSchedule();
 const leaders = new Leaders(() => askLeaders(serverDay(Date.now(), Number(setting("utc-offset")))));
 const viewChoice = new ViewChoice();
-const arena = new ArenaView(byId("arena"), (state) => {
+const takeArena = (state) => {
   view.showArena(state);
   viewChoice.takeArena(state !== "none");
-});
+};
+const arena = new ArenaView(byId("arena"), takeArena, (frame) => realFloor.show(frame));
+const realFloor = new RealFloor({ box: byId("arena"), preferences: new Preferences(), onPicture: (picture) => (arena.realFloor = picture) });
 const audience = new Audience();
 const tournament = new HallTournament();
 let status = null;
@@ -61,6 +65,6 @@ new StatusFeed({
   url: socketAddress("rosbridge"),
   onStatus: take,
   onState: view.showConnection,
-  topics: arena.topics,
+  topics: [...arena.topics, ...realFloor.topics],
 }).start();
 setInterval(look, TICK);
