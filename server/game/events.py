@@ -426,6 +426,16 @@ class DriveTaken:
         return f"the controls for a test drive were handed out{signature(self.by)}"
 
 
+@dataclass(frozen=True, slots=True)
+class FloorChanged:
+    """It has other walls, start places or zones."""
+
+    by: Name
+
+    def __str__(self) -> str:
+        return f"the floor was changed{signature(self.by)}"
+
+
 Event = (
     RobotCame
     | RobotRefused
@@ -467,6 +477,7 @@ Event = (
     | WordsChanged
     | MessageShown
     | DriveTaken
+    | FloorChanged
     | TournamentOpened
     | MatchCalled
     | GameWon

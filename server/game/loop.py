@@ -8,6 +8,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import Any
 
+from laser_bot_battle.floor import Zone
 from server.game.departures import Departures
 from server.game.events import Recorded, kind_of
 from server.game.referee import Referee, Verdict, Wish
@@ -148,6 +149,10 @@ class GameLoop:
     def operate(self, wish: Wish) -> None:
         with self._event() as now:
             self._referee.operate(wish, now)
+
+    def lay_out(self, zones: Sequence[Zone], by: str) -> None:
+        with self._event() as now:
+            self._referee.lay_out(zones, by, now)
 
     def take_over(self, saved: Mapping[str, Any], known_robots: Mapping[str, int]) -> None:
         with self._event() as now:

@@ -322,6 +322,14 @@ class Referee:
                 self._decide(event, now)
         self._settle_seats(now)
 
+    def lay_out(self, zones: Sequence[Zone], by: str, now: float) -> None:
+        """The operator `by` has changed the floor: these are its zones. desk.RefusedError in a countdown or battle."""
+        self.tick(now)
+        if self._state.game is not Game.STOPPED:
+            raise desk.RefusedError("the floor can be changed only while neither a countdown nor a battle runs")
+        self._places = Places(zones)
+        self._decide(events.FloorChanged(by), now)
+
     def take_over(self, saved: Mapping[str, Any], known_robots: Mapping[str, int], now: float) -> None:
         """What operators had decided in an earlier program (its `saved` state), and the IDs that robots had, come to
         light late: they hold again, unless something newer has been decided."""

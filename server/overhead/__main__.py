@@ -8,6 +8,8 @@ import logging
 import sys
 
 from laser_bot_battle.apriltag import AprilTagError
+from laser_bot_battle.floor_watch import another_floor
+from laser_bot_battle.lifecycle import first_of
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.names import OVERHEAD_NODE
 from laser_bot_battle.settings import read_or_exit
@@ -54,7 +56,8 @@ async def _track(program: Program, settings: Settings, eye: Eye, looker: Looker)
         with watched("overhead", settings.program.metrics, in_loop(Owner(overhead.metrics, overhead.missing))):
             async with asyncio.TaskGroup() as tasks:
                 work = tasks.create_task(overhead.run())
-                await live(program)
+                await first_of(live(program), another_floor(settings.floor_source, settings.floor))
+                program.begin_anew("the floor is another one")
                 work.cancel()
 
 

@@ -35,6 +35,7 @@ class Settings:
     camera_height: float  # m over the floor
     tag_height: float  # m, likewise, of robots' tags
     floor: Floor
+    floor_source: str  # its name, or the path of its file
 
     @classmethod
     def from_env(cls, environ: Mapping[str, str]) -> Self:
@@ -46,6 +47,7 @@ class Settings:
             camera_height=variables.OVERHEAD_HEIGHT.read(environ),
             tag_height=variables.OVERHEAD_TAG_HEIGHT.read(environ),
             floor=read_floor(variables.FLOOR.read(environ)),
+            floor_source=variables.FLOOR.read(environ),
         )
 
 

@@ -12,7 +12,7 @@ from laser_bot_battle.names import FRONT_HEADER
 from laser_bot_battle.proxies import Asked, visitor
 from server.access.own_pages import PageAddresses, Standing
 from server.game.loop import GameLoop
-from server.web import operator_api
+from server.web import operator_api, operator_requests
 from server.web.api import API, create_api, reply, session_of
 from server.web.assets import asset, compress_page
 from server.web.hosts import as_asked, request_host, with_valid_host
@@ -111,7 +111,7 @@ def create_base(settings: PageSettings, *routes: Blueprint) -> Flask:
         return request.path.startswith(operator_api.PREFIX)
 
     def _refuse(code: int, error: str) -> Response:
-        return operator_api.refusal(code, error) if _is_operators() else reply(code, error=error, status="ERROR")
+        return operator_requests.refusal(code, error) if _is_operators() else reply(code, error=error, status="ERROR")
 
     def _error_page(error: HTTPException) -> Response:
         code = error.code or 500

@@ -15,7 +15,8 @@ from server.web.operator_access import (
     TooManyError,
     WrongTokenError,
 )
-from server.web.operator_api import NO_TOKEN, json_body, log_refusal, refusal
+from server.web.operator_api import NO_TOKEN
+from server.web.operator_requests import json_body, log_refusal, refusal
 from server.web.visitors import is_secure, visitor_address
 
 _log = logging.getLogger(__name__)

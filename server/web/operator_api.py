@@ -3,18 +3,16 @@
 Answers are application/json, refusals `{"error": why}` with 400 or more; those change nothing.
 """
 
-import logging
 import platform
 import re
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from functools import partial
-from http import HTTPStatus
 from importlib import metadata
 from types import NoneType
-from typing import Any, NoReturn
+from typing import Any
 
-from flask import Blueprint, Response, abort, g, json, jsonify, request
+from flask import Blueprint, Response, g, json, jsonify, request
 
 from laser_bot_battle.names import VERSION, operator_ticket
 from server.game import desk, tournament_desk
@@ -24,8 +22,11 @@ from server.game.robot_health import RobotsHealth
 from server.store.database import AwayError, Database
 from server.store.log import EventLog, as_csv, as_json
 from server.web.bots import BotsProgram
+from server.web.floor_api import add_floor
+from server.web.floor_file import FloorFile
 from server.web.journal import Journals, NothingToReadError
 from server.web.operator_access import COOKIE, NAMELESS, Access, TooManyError, WrongTokenError
+from server.web.operator_requests import json_body, json_object, needed, refusal, refuse
 from server.web.settings import Settings
 from server.web.visitors import one_address, visitor_address
 
@@ -34,8 +35,6 @@ MAX_BODY = 256 * 1024  # bytes; the longest honest one is a list of words
 JOURNAL_LINES = 200
 VOTE_SECONDS, VOTE_SHORTEST, VOTE_LONGEST = 30, 5, 600
 NO_TOKEN = "no operator token is set: start the server with LASERBOT_OPERATOR_TOKEN"
-
-_log = logging.getLogger(__name__)
 
 _ROBOT_ID = re.compile(r"[0-9]{1,3}")
 _BATTLE = {"start": desk.start, "abort": desk.abort, "pause": desk.pause, "resume": desk.resume}
@@ -63,32 +62,8 @@ def create_operator_api(
     _add_decisions(api, game)
     _add_identify(api, game, identify)
     _add_vote(api, game, ask_audience)
+    add_floor(api, game, FloorFile(settings.floor_source))
     return api
-
-
-def refusal(code: int, error: str) -> Response:
-    """The answer to what was wrong, and a line of log."""
-    log_refusal(code, error)
-    response = jsonify(error=error)
-    response.status_code = code
-    return response
-
-
-def log_refusal(code: int, error: str) -> None:
-    """A line of log, but none for guesses that come too often: whoever guesses says how many these are."""
-    if code != HTTPStatus.TOO_MANY_REQUESTS:
-        _log.warning("%s from %s refused: %s", request.path, visitor_address(), error)
-
-
-def json_body(**fields: tuple[type, ...]) -> dict[str, Any]:
-    """The request's JSON object, which may have these fields of these types; another one is refused."""
-    content = _json_object()
-    for name, value in content.items():
-        if name not in fields:
-            _refuse(400, f"there is no field {name[:40]!r}; there are: {', '.join(fields) or 'none'}")
-        if type(value) not in fields[name]:
-            _refuse(400, f"the field {name} is of a wrong type")
-    return content
 
 
 def _add_guard(api: Blueprint, access: Access) -> None:
@@ -194,11 +169,11 @@ def _add_decisions(api: Blueprint, game: GameLoop) -> None:
     @api.post("/battle")
     def battle() -> Response:
         order = json_body(action=(str,), seconds=(int, float))
-        action = _needed(order, "action")
+        action = needed(order, "action")
         if action == "add_time":
-            return decide(desk.add_time, seconds=_needed(order, "seconds"))
+            return decide(desk.add_time, seconds=needed(order, "seconds"))
         if action not in _BATTLE or "seconds" in order:
-            _refuse(400, f"action must be one of {', '.join(_BATTLE)}, or add_time with seconds")
+            refuse(400, f"action must be one of {', '.join(_BATTLE)}, or add_time with seconds")
         return decide(_BATTLE[action])
 
     @api.post("/players/<name>/sign_out")
@@ -210,31 +185,31 @@ def _add_decisions(api: Blueprint, game: GameLoop) -> None:
     def names() -> Response:
         change = json_body(**_NAMES)
         if len(change) != 1:
-            _refuse(400, f"one of {', '.join(_NAMES)} is needed")
+            refuse(400, f"one of {', '.join(_NAMES)} is needed")
         if "words" not in change:
             return decide(desk.ban if "ban" in change else desk.unban, name=next(iter(change.values())))
         if not all(isinstance(word, str) for word in change["words"]):
-            _refuse(400, "words must be a list of texts")
+            refuse(400, "words must be a list of texts")
         return decide(desk.set_words, words=change["words"])
 
     @api.post("/robots/<robot>")
     def robots(robot: str) -> Response:
         change, robot_id = json_body(in_service=(bool,), bot=(str, NoneType)), _robot_id(robot)
         if len(change) != 1:
-            _refuse(400, "one of in_service, bot is needed")
+            refuse(400, "one of in_service, bot is needed")
         if "bot" in change:
             return decide(desk.give_to_bot, robot_id=robot_id, level=change["bot"])
         return decide(desk.set_service, robot_id=robot_id, in_service=change["in_service"])
 
     @api.put("/rules")
     def rules() -> Response:
-        return decide(desk.change_rules, changes=_json_object())
+        return decide(desk.change_rules, changes=json_object())
 
     @api.post("/presets")
     def presets() -> Response:
         change = json_body(save=(str,), remove=(str,))
         if len(change) != 1:
-            _refuse(400, "one of save, remove is needed")
+            refuse(400, "one of save, remove is needed")
         return decide(desk.save_preset if "save" in change else desk.remove_preset, name=next(iter(change.values())))
 
     @api.post("/tournament")
@@ -243,7 +218,7 @@ def _add_decisions(api: Blueprint, game: GameLoop) -> None:
 
     @api.post("/message")
     def message() -> Response:
-        return decide(desk.show, text=_needed(json_body(text=(str,)), "text"))
+        return decide(desk.show, text=needed(json_body(text=(str,)), "text"))
 
     def decide(wish: Any, **wanted: Any) -> Response:
         try:
@@ -263,9 +238,9 @@ def _add_identify(api: Blueprint, game: GameLoop, identify: Callable[[int], bool
         json_body()
         robot_id = _robot_id(robot)
         if robot_id not in game.snapshot().robots:
-            _refuse(404, f"there is no robot {robot_id}")
+            refuse(404, f"there is no robot {robot_id}")
         if not identify(robot_id):
-            _refuse(409, f"robot {robot_id} cannot show itself: nobody there listens to /Robot{robot_id}/identify")
+            refuse(409, f"robot {robot_id} cannot show itself: nobody there listens to /Robot{robot_id}/identify")
         return jsonify({})
 
 
@@ -276,19 +251,19 @@ def _add_vote(api: Blueprint, game: GameLoop, ask_audience: Callable[[bytes], No
     def vote() -> Response:
         """Let spectators choose one of some presets; no choices end the vote that is open."""
         wanted = json_body(choices=(list,), seconds=(int, float))
-        choices, seconds = _needed(wanted, "choices"), wanted.get("seconds", VOTE_SECONDS)
+        choices, seconds = needed(wanted, "choices"), wanted.get("seconds", VOTE_SECONDS)
         now = time.monotonic()
         if not choices:
             if not latest:
-                _refuse(409, "there is no vote")
+                refuse(409, "there is no vote")
             latest["ends_at"] = min(latest["ends_at"], now)
         else:
             there = [[preset["name"], preset["own"]] for preset in game.overview()["presets"]]
             given = [[one.get("name"), one.get("own")] if isinstance(one, dict) else None for one in choices]
             if len(given) < 2 or any(one not in there or given.count(one) > 1 for one in given):
-                _refuse(400, "choices must be two or more different presets, each with name and own")
+                refuse(400, "choices must be two or more different presets, each with name and own")
             if not VOTE_SHORTEST <= seconds <= VOTE_LONGEST:
-                _refuse(400, f"seconds must be from {VOTE_SHORTEST} to {VOTE_LONGEST}")
+                refuse(400, f"seconds must be from {VOTE_SHORTEST} to {VOTE_LONGEST}")
             number = max(time.time_ns() // 1_000_000, latest.get("number", 0) + 1)  # another one after a restart, too
             latest.update(number=number, choices=given, ends_at=now + seconds)
         ask_audience(json.dumps(latest).encode() + b"\n")
@@ -297,30 +272,8 @@ def _add_vote(api: Blueprint, game: GameLoop, ask_audience: Callable[[bytes], No
 
 def _robot_id(text: str) -> int:
     if not _ROBOT_ID.fullmatch(text):
-        _refuse(404, "there is no such robot")
+        refuse(404, "there is no such robot")
     return int(text)
-
-
-def _json_object() -> dict[str, Any]:
-    if not request.is_json:
-        _refuse(415, "the body must be JSON: Content-Type: application/json")
-    try:
-        content = json.loads(request.get_data())
-    except (ValueError, RecursionError):
-        _refuse(400, "the body is not JSON")
-    if not isinstance(content, dict):
-        _refuse(400, "the body must be a JSON object")
-    return content
-
-
-def _needed(content: Mapping[str, Any], field: str) -> Any:
-    if field not in content:
-        _refuse(400, f"the field {field} is missing")
-    return content[field]
-
-
-def _refuse(code: int, error: str) -> NoReturn:
-    abort(refusal(code, error))
 
 
 def _ros_version() -> str:

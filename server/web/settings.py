@@ -75,6 +75,7 @@ class Settings:
     roster: Mapping[str, int]  # IDs that the operator fixed, by the robots' ROS names
     rules: Rules
     floor: Floor
+    floor_source: str  # its name, or the path of its file
     operator_token: str  # empty: nobody is an operator
     journal: Path | None  # folder of systemd's journals that operators may read
 
@@ -97,6 +98,7 @@ class Settings:
             roster=variables.ROSTER.read(environ),
             rules=Rules(**{name: variable.read(environ) for name, variable in DECLARED.items()}, bots=bots),
             floor=read_floor(variables.FLOOR.read(environ)),
+            floor_source=variables.FLOOR.read(environ),
             operator_token=read_operator_token(environ),
             journal=Path(journal) if journal else None,
         )

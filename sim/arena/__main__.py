@@ -3,11 +3,13 @@
 import argparse
 import asyncio
 import logging
+import os
 import sys
 
 from aiohttp import web
 
-from laser_bot_battle.lifecycle import live_until, signalled
+from laser_bot_battle.floor_watch import another_floor
+from laser_bot_battle.lifecycle import first_of, live_until, signalled
 from laser_bot_battle.log import configure_logging
 from laser_bot_battle.open_files import allow_files
 from laser_bot_battle.settings import describe, read_or_exit
@@ -29,8 +31,9 @@ SPARE_FILES = 100  # beside sockets
 _log = logging.getLogger(__name__)
 
 
-async def run(settings: Settings, light: Ambient, timecode: bool, overhead: Conditions) -> None:
-    """Serve, in that light, until SIGINT or SIGTERM; OSError if a port cannot be had."""
+async def run(settings: Settings, light: Ambient, timecode: bool, overhead: Conditions) -> bool:
+    """Serve, in that light, until a signal, or until the floor is another one, and return whether it is. OSError if a
+    port cannot be had."""
     end = signalled()
     world = World(settings.floor)
     link = Link(world, light)
@@ -46,7 +49,8 @@ async def run(settings: Settings, light: Ambient, timecode: bool, overhead: Cond
         _log.info("arena at http://localhost:%d, robots connect to port %d", settings.view_port, settings.link_port)
         owner = Owner(lambda: metrics(world, view.viewers), lambda: "")
         with watched("arena", settings.metrics, in_loop(owner)):
-            await live_until(end)
+            await first_of(live_until(end), another_floor(settings.floor_source, settings.floor))
+        return not end.is_set()
     finally:
         await link.stop()
         visits.stop()
@@ -68,10 +72,13 @@ def main() -> int:
     settings = read_or_exit("arena", Settings.from_env)
     configure_logging(settings.log_level)
     try:
-        asyncio.run(run(settings, Ambient.of(options), options.timecode, Conditions.of(options)))
+        begins_anew = asyncio.run(run(settings, Ambient.of(options), options.timecode, Conditions.of(options)))
     except OSError as error:
         print(f"arena: cannot listen: {error.strerror}; is another arena running?", file=sys.stderr)
         return 1
+    if begins_anew:
+        _log.warning("the floor is another one: the arena begins anew")
+        os.execv(sys.executable, sys.orig_argv)
     return 0
 
 

@@ -28,6 +28,7 @@ class Settings:
     view_port: int
     link_port: int
     floor: Floor
+    floor_source: str  # its name, or the path of its file
     proxies: tuple[Network, ...]  # that are believed for whom they come
     metrics: tuple[str, int] | None  # where the first program is watched
     log_level: str
@@ -40,6 +41,7 @@ class Settings:
             view_port=ARENA.read(env),
             link_port=ARENA_LINK.read(env),
             floor=read_floor(FLOOR.read(env)),
+            floor_source=FLOOR.read(env),
             proxies=believed(env),
             metrics=METRICS.read(env),
             log_level=LOG_LEVEL.read(env),

@@ -9,10 +9,10 @@ import difflib
 import json
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from laser_bot_battle.settings import SettingsError
 
@@ -27,6 +27,7 @@ MAX_WALLS, MAX_STARTS, MAX_ZONES = 200, 64, 32
 MAX_BYTES = 100_000
 _ROUNDING = 1e-9
 
+Part = TypeVar("Part")
 Wall = tuple[float, float, float, float]  # x1, y1, x2, y2
 Start = tuple[float, float, float]  # x, y, heading
 
@@ -74,30 +75,48 @@ class Floor:
         return cls(width, height, outer + inner, tuple(looking), zones)
 
 
+class FloorError(ValueError):
+    """What is described cannot be a floor. `problems` has all that is wrong, each after the part that it is about:
+    `walls[3]: must be at least 0.01 m long`; the error's own text is the first."""
+
+    def __init__(self, problems: Sequence[str]) -> None:
+        super().__init__(problems[0])
+        self.problems = tuple(problems)
+
+
 def is_floor(text: str) -> bool:
     """Whether it can be meant as a floor's name or file."""
     return text.lower() in NAMES or "/" in text or text.endswith(".json")
 
 
+def floor_file(name_or_path: str) -> Path:
+    """Where the floor of that name, or of that path, is described."""
+    is_name = name_or_path.lower() in NAMES
+    return FOLDER / f"{name_or_path.lower()}.json" if is_name else Path(name_or_path)
+
+
 def read_floor(name_or_path: str) -> Floor:
     """The floor of that name, or of the file there. SettingsError names the file, the field and what is wrong."""
-    is_name = name_or_path.lower() in NAMES
-    path = FOLDER / f"{name_or_path.lower()}.json" if is_name else Path(name_or_path)
     if not is_floor(name_or_path):
         raise SettingsError(f"{name_or_path}: there is no such floor; there are {', '.join(NAMES)}, and files (.json)")
+    path = floor_file(name_or_path)
     try:
-        with path.open("rb") as file:
-            data = file.read(MAX_BYTES + 1)
+        return parse_floor(read_bytes(path))
     except OSError as error:
         raise SettingsError(f"{path}: cannot be read: {error.strerror}") from None
-    try:
-        return parse_floor(data)
     except ValueError as error:
         raise SettingsError(f"{path}: {error}") from None
 
 
+def read_bytes(path: Path) -> bytes:
+    """What is in a floor's file, or more than there may be of it. OSError if it cannot be read."""
+    with path.open("rb") as file:
+        return file.read(MAX_BYTES + 1)
+
+
 def parse_floor(data: bytes) -> Floor:
-    """The floor that a file describes. ValueError names the field and what is wrong."""
+    """The floor that a file describes. ValueError names the field and what is wrong: a FloorError, if it is about parts
+    of the floor."""
     if len(data) > MAX_BYTES:
         raise ValueError(f"is larger than {MAX_BYTES} bytes")
     try:
@@ -109,7 +128,10 @@ def parse_floor(data: bytes) -> Floor:
     except UnicodeDecodeError:
         raise ValueError("is no UTF-8 text") from None
     fields = _fields("the file", found, ("width", "height"), ("walls", "starts", "zones"))
-    width, height = (_number(name, fields[name], *SIDES) for name in ("width", "height"))
+    problems = _Problems()
+    width, height = (problems.caught(_number, name, fields[name], *SIDES) for name in ("width", "height"))
+    if width is None or height is None:
+        raise FloorError(problems)
 
     def place(field: str, x: Any, y: Any) -> tuple[float, float]:
         return _number(f"{field}: x", x, 0, width), _number(f"{field}: y", y, 0, height)
@@ -136,31 +158,53 @@ def parse_floor(data: bytes) -> Floor:
         radius = _number(f"{field}: radius", fields["radius"], 0.05, max(SIDES))
         return Zone(name, kind, *place(field, fields["x"], fields["y"]), radius)
 
-    floor = Floor.of(
-        width,
-        height,
-        tuple(wall(*one) for one in _each("walls", fields, MAX_WALLS)),
-        [start(*one) for one in _each("starts", fields, MAX_STARTS)],
-        tuple(zone(*one) for one in _each("zones", fields, MAX_ZONES)),
-    )
-    _check(floor)
+    def each(name: str, most: int, read: Callable[[str, Any], Part]) -> dict[str, Part]:
+        """Those of a list that are right, by what to call them."""
+        given = problems.caught(_several, name, fields.get(name, []), most) or []
+        parts = {f"{name}[{number}]": part for number, part in enumerate(given)}
+        found = {field: problems.caught(read, field, part) for field, part in parts.items()}
+        return {field: part for field, part in found.items() if part is not None}
+
+    walls, zones = each("walls", MAX_WALLS, wall), each("zones", MAX_ZONES, zone)
+    starts = each("starts", MAX_STARTS, start)
+    if not fields.get("starts"):
+        problems.append("starts: must have one place at least")
+    floor = Floor.of(width, height, tuple(walls.values()), starts.values(), tuple(zones.values()))
+    _check_starts(dict(zip(starts, floor.starts, strict=True)), floor.walls, problems)
+    _check_names(zones, problems)
+    if problems:
+        raise FloorError(problems)
     return floor
 
 
-def _check(floor: Floor) -> None:
-    """ValueError for what does not fit together."""
-    if not floor.starts:
-        raise ValueError("starts: must have one place at least")
-    for number, (x, y, _) in enumerate(floor.starts):
-        if any(_distance(x, y, wall) < ROBOT_RADIUS - _ROUNDING for wall in floor.walls):
-            raise ValueError(f"starts[{number}]: a robot does not fit: it needs {ROBOT_RADIUS:g} m to each wall")
-        for other, (there_x, there_y, _) in enumerate(floor.starts[:number]):
+class _Problems(list[str]):
+    def caught(self, read: Callable[..., Part], *arguments: Any) -> Part | None:
+        """What `read` finds; None if it finds a problem."""
+        try:
+            return read(*arguments)
+        except ValueError as error:
+            self.append(str(error))
+            return None
+
+
+def _check_starts(starts: Mapping[str, Start], walls: Iterable[Wall], problems: list[str]) -> None:
+    """Whether robots fit where they start."""
+    before: dict[str, Start] = {}
+    for field, (x, y, heading) in starts.items():
+        if any(_distance(x, y, wall) < ROBOT_RADIUS - _ROUNDING for wall in walls):
+            problems.append(f"{field}: a robot does not fit: it needs {ROBOT_RADIUS:g} m to each wall")
+        for other, (there_x, there_y, _) in before.items():
             if math.dist((x, y), (there_x, there_y)) < 2 * ROBOT_RADIUS - _ROUNDING:
-                raise ValueError(f"starts[{number}]: two robots do not fit here and at starts[{other}]")
-    names = [zone.name for zone in floor.zones]
-    for number, name in enumerate(names):
-        if name in names[:number]:
-            raise ValueError(f"zones[{number}]: name: another zone has {name!r}, too")
+                problems.append(f"{field}: two robots do not fit here and at {other}")
+        before[field] = x, y, heading
+
+
+def _check_names(zones: Mapping[str, Zone], problems: list[str]) -> None:
+    names: set[str] = set()
+    for field, zone in zones.items():
+        if zone.name in names:
+            problems.append(f"{field}: name: another zone has {zone.name!r}, too")
+        names.add(zone.name)
 
 
 def _distance(x: float, y: float, wall: Wall) -> float:
@@ -197,12 +241,10 @@ def _fields(field: str, given: Any, needed: tuple[str, ...], optional: tuple[str
     return given
 
 
-def _each(name: str, fields: dict[str, Any], most: int) -> list[tuple[str, Any]]:
-    """The parts of a list, each after what to call it."""
-    given = fields.get(name, [])
+def _several(field: str, given: Any, most: int) -> list[Any]:
     if not isinstance(given, list) or len(given) > most:
-        raise ValueError(f"{name}: must be a list of at most {most}")
-    return [(f"{name}[{number}]", part) for number, part in enumerate(given)]
+        raise ValueError(f"{field}: must be a list of at most {most}")
+    return given
 
 
 def _list(field: str, given: Any, sizes: tuple[int, ...], what: str) -> list[Any]:
