@@ -30,6 +30,7 @@ from laser_bot_battle.variables import (
     BIND,
     BOT_ROBOTS,
     DATA,
+    FLOOR,
     LIGHT,
     OPERATOR_TOKEN,
     OVERHEAD_CAMERA,
@@ -91,6 +92,7 @@ class Demo:
             **({OPERATOR_TOKEN.name: settings.new_token} if settings.new_token else {}),
             **{variable: str(port) for variable, port in settings.ports.items()},
             LIGHT.name: settings.light,
+            FLOOR.name: settings.floor,
             **(self.camera(overhead) if overhead else {}),
             BOT_ROBOTS.name: " ".join(str(number) for number in range(robots - bots, robots)),  # people get the first
             DATA.name: str(folder / "data"),

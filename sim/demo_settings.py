@@ -3,16 +3,19 @@
 import secrets
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from laser_bot_battle import listening
 from laser_bot_battle.addresses import check_interface
+from laser_bot_battle.floor import NAMES, read_floor
 from laser_bot_battle.operator_token import read_operator_token
 from laser_bot_battle.settings import SettingsError, Variable
 from laser_bot_battle.variables import (
     ARENA,
     ARENA_LINK,
     BIND,
+    FLOOR,
     INTERFACE,
     LASERBOT,
     LIGHT,
@@ -34,7 +37,7 @@ PORTS = {
     ARENA: "the simulator's own page",
     ARENA_LINK: "the robots' link to the arena",
 }
-VARIABLES: tuple[Variable[Any], ...] = (BIND, INTERFACE, *PORTS, LIGHT, OPERATOR_TOKEN, OPERATOR_TOKEN_FILE)
+VARIABLES: tuple[Variable[Any], ...] = (BIND, INTERFACE, *PORTS, LIGHT, FLOOR, OPERATOR_TOKEN, OPERATOR_TOKEN_FILE)
 
 
 @dataclass(frozen=True)
@@ -45,6 +48,7 @@ class Settings:
     ports: Mapping[str, int]
     new_token: str = ""  # of the operators; "": the environment has one
     light: str = "coded"  # of the robots
+    floor: str = "battle"  # its name, or the absolute path of its file: the parts start elsewhere
 
     @classmethod
     def from_env(cls, env: Mapping[str, str]) -> "Settings":
@@ -72,7 +76,15 @@ class Settings:
                     f"demo is running), or choose another port: {variable.name}={free} make demo"
                 )
         has_token = OPERATOR_TOKEN.read(env) or OPERATOR_TOKEN_FILE.read(env)
-        return cls(bind, ports, "" if has_token else secrets.token_urlsafe(12), LIGHT.read(env, default="coded"))
+        floor = FLOOR.read(env)
+        read_floor(floor)
+        return cls(
+            bind,
+            ports,
+            "" if has_token else secrets.token_urlsafe(12),
+            LIGHT.read(env, default="coded"),
+            floor if floor.lower() in NAMES else str(Path(floor).resolve()),
+        )
 
 
 def _trouble(bind: str, port: int) -> str:

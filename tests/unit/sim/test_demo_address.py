@@ -12,6 +12,7 @@ from laser_bot_battle.variables import SHORTEST_TOKEN
 from sim import demo_settings
 from sim.demo import desk, from_the_network
 from sim.demo_settings import Settings
+from tests.support.programs import ROOT
 
 PORTS = {"LASERBOT_WEB_PORT": 5000}
 
@@ -63,3 +64,12 @@ def test_a_terminal_shows_a_code_for_phones_that_fits(monkeypatch: pytest.Monkey
     assert len(code) > 10
     assert {len(line) for line in code} == {29}
     assert set("".join(code)) == set(" ▀▄█")
+
+
+def test_a_floors_file_is_found_by_all_parts_wherever_they_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo_settings, "_trouble", lambda *_: "")
+    monkeypatch.chdir(ROOT)
+    assert Settings.from_env({"LASERBOT_FLOOR": "Duel"}).floor == "Duel"
+    assert Settings.from_env({"LASERBOT_FLOOR": "floors/hall.json"}).floor == str(ROOT / "floors" / "hall.json")
+    with pytest.raises(SettingsError, match="No such file"):
+        Settings.from_env({"LASERBOT_FLOOR": "floors/gone.json"})
