@@ -1,8 +1,11 @@
 """What health checks look at: a file whose time a working program renews."""
 
+import json
 from pathlib import Path
 
 import pytest
+from websockets.exceptions import WebSocketException
+from websockets.sync.client import connect
 
 from tests.integration.sim.arena import HOST
 from tests.support.polling import until
@@ -22,5 +25,27 @@ def test_a_working_program_renews_its_file(module: str, tmp_path: Path) -> None:
         until(file.exists, 15, "the first sign of life")
         first = file.stat().st_mtime_ns
         until(lambda: file.stat().st_mtime_ns > first, 5, "the next one")
+    finally:
+        assert program.stop() == 0
+
+
+def test_the_arena_begins_anew_when_its_floor_is_another_one(tmp_path: Path) -> None:
+    file = tmp_path / "hall.json"
+    file.write_text('{"width": 2, "height": 1, "starts": [[1, 0.5]]}')
+    port = free_port()
+    env = {"LASERBOT_BIND": HOST, "LASERBOT_ARENA_PORT": str(port), "LASERBOT_ARENA_LINK_PORT": str(free_port())}
+    program = Program.python("sim.arena", env={**env, "LASERBOT_FLOOR": str(file)})
+
+    def width() -> float:
+        try:
+            with connect(f"ws://{HOST}:{port}/view") as view:
+                return float(json.loads(view.recv(timeout=5))["width"])
+        except (OSError, WebSocketException):
+            return 0.0
+
+    try:
+        until(lambda: width() == 2, 15, "the first floor")
+        file.write_text('{"width": 3, "height": 1, "starts": [[1, 0.5]]}')
+        until(lambda: width() == 3, 15, "the other one")
     finally:
         assert program.stop() == 0
