@@ -33,6 +33,7 @@ class Painter:
         self._walls = Walls(room)
         self._room = room
         self._canvas = np.zeros((3, HEIGHT, WIDTH), np.float32)
+        self._newest: dict[str, tuple[object, bytes]] = {}  # of each eye: what it saw, and the JPEG
 
     def picture(self, scene: Scene) -> NDArray[np.uint8]:
         """Red, green and blue x HEIGHT x WIDTH."""
@@ -57,7 +58,7 @@ class Painter:
         return picture
 
     def _paint_light(self, canvas: Floats, camera: Camera, scene: Scene, hidden: Floats) -> None:
-        if self._room.ambient.remote and scene.time % PRESS_PERIOD < PRESS:
+        if self._remote_shines(scene):
             place = camera.see(self._room.width / 2, -ONLOOKER)
             Glow(*place, ONLOOKER_HEIGHT, 0.05, BEAM.mixed(WHITE, 0.2), 1.5).paint(canvas, hidden)
         for body in scene.robots:
@@ -66,11 +67,20 @@ class Painter:
             if body.name == scene.eye and body.lit:
                 canvas += (BEAM.light - canvas) * _HIT
 
+    def _remote_shines(self, scene: Scene) -> bool:
+        return self._room.ambient.remote and scene.time % PRESS_PERIOD < PRESS
+
     def jpeg(self, scene: Scene) -> bytes:
-        planes = [Image.fromarray(plane) for plane in self.picture(scene)]
-        file = io.BytesIO()
-        Image.merge("RGB", planes).save(file, "JPEG", quality=QUALITY)
-        return file.getvalue()
+        """The picture, painted only if the eye sees something else than before."""
+        seen = (scene.robots, self._remote_shines(scene), scene.taken if self._room.timecode else None)
+        before, jpeg = self._newest.get(scene.eye, (None, b""))
+        if seen != before:
+            planes = [Image.fromarray(plane) for plane in self.picture(scene)]
+            file = io.BytesIO()
+            Image.merge("RGB", planes).save(file, "JPEG", quality=QUALITY)
+            jpeg = file.getvalue()
+            self._newest[scene.eye] = seen, jpeg
+        return jpeg
 
 
 def _paint_shot(canvas: Floats, camera: Camera, body: Body, hidden: Floats) -> None:

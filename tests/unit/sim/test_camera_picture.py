@@ -201,6 +201,25 @@ def test_a_picture_is_a_small_jpeg(painter: Painter) -> None:
     assert len(jpeg) < 30_000
 
 
+def test_what_looks_as_before_is_not_painted_again() -> None:
+    painter = Painter(Room(4, 2, OUTER, Ambient()))
+
+    def seen(taken: float, *others: Body) -> bytes:
+        return painter.jpeg(Scene(ME.name, taken, taken, (ME, *others)))
+
+    first = seen(1.0, other(0.3))
+    painter.jpeg(Scene("virtual2", 1.0, 1.0, (ME, other(0.3))))  # another eye's
+    assert seen(2.0, other(0.3)) is first
+    assert seen(3.0, other(0.4)) != first
+
+
+@pytest.mark.parametrize("room", [Room(4, 2, OUTER, Ambient(remote=True)), Room(4, 2, OUTER, Ambient(), timecode=True)])
+def test_what_changes_by_itself_is_painted_again(room: Room) -> None:
+    painter = Painter(room)
+    me = Body("virtual9", 9, 2.0, 0.5, -math.pi / 2)  # looks at the one with the remote control
+    assert painter.jpeg(Scene(me.name, 7.1, 7.1, (me,))) != painter.jpeg(Scene(me.name, 7.9, 7.9, (me,)))
+
+
 def test_whatever_stands_wherever_there_is_a_picture() -> None:
     painter = Painter(Room(BATTLE_FLOOR.width, BATTLE_FLOOR.height, BATTLE_FLOOR.walls, Ambient()))
     chance = random.Random(1)
