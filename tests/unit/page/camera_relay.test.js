@@ -77,7 +77,7 @@ function make(options = {}) {
     {
       url: "ws://host:9091/",
       onState: (state) => states.push(state),
-      onPicture: (bitmap, takenAt) => drawn.push([bitmap.first, takenAt]),
+      onPicture: (bitmap, takenAt) => drawn.push([bitmap?.first, takenAt]),
       onFigures: (told) => figures.push(told),
       ...options,
     },
@@ -113,6 +113,29 @@ test("a picture is drawn with the moment when it was taken by the page's clock, 
   assert.equal(drawn[0][0], 1);
   assert.ok(Math.abs(drawn[0][1] - 49.9) < 1e-6);
   assert.equal(ops(sockets[0], "seen").length, 1);
+});
+
+test("a picture of the same bytes is not decoded again, but it is newer", async () => {
+  sockets[0].tell("live");
+  sockets[0].show({ taken: 1, sent: 1, jpeg: [1, 2] });
+  await finish();
+  now = 1;
+  sockets[0].show({ taken: 2, sent: 2, jpeg: [1, 2] });
+  await settle();
+  assert.equal(decoding.length, 0);
+  assert.deepEqual(drawn.map(([first]) => first), [1, undefined]);
+  assert.equal(drawn[1][1] - drawn[0][1], 1);
+  assert.equal(ops(sockets[0], "seen").length, 2);
+});
+
+test("the first picture of another wish is decoded whatever the one before looked like", async () => {
+  sockets[0].tell("live");
+  sockets[0].show({ jpeg: [1, 2] });
+  await finish();
+  camera.watch(4);
+  sockets[0].tell("live", 4);
+  sockets[0].show({ robot: 4, jpeg: [1, 2] });
+  assert.equal(decoding.length, 1);
 });
 
 test("one picture is decoded at a time, and of those that wait only the newest is drawn; all are seen", async () => {

@@ -40,6 +40,7 @@ export class Camera {
   #clock = new ClockOffset();
   #next = null; // the newest picture that waits for the one being decoded
   #decoding = false;
+  #shown = null; // the picture that was drawn last of what is wished for
   #attempts = 0;
   #pace; // ms between two pictures at least
   #nextAt = -Infinity; // when the relay may be told that the next one was seen, s
@@ -49,8 +50,8 @@ export class Camera {
    * @param {object} wiring
    * @param {string} wiring.url of the relay
    * @param {(state: CameraState) => void} [wiring.onState] what became of the wish
-   * @param {(bitmap: ImageBitmap, takenAt: number) => void} [wiring.onPicture] draws at once; `takenAt` is when it was taken, in s of
-   *   performance.now() / 1000
+   * @param {(bitmap: ImageBitmap|null, takenAt: number) => void} [wiring.onPicture] draws at once; null: it looks like the one
+   *   before. `takenAt` is when it was taken, in s of performance.now() / 1000
    * @param {(figures: object) => void} [wiring.onFigures] what operators get for `askFigures`
    * @param {() => Promise<{user?: string, ticket: string}|null>} [wiring.getTicket] says whose page this is: the cookie
    *   does not always come along with a WebSocket
@@ -112,6 +113,7 @@ export class Camera {
     if (this.#socket?.readyState !== WebSocket.OPEN || wish === this.#said) return;
     this.#said = wish;
     this.#live = this.#allowed = false;
+    this.#shown = null;
     this.#say({ op: "watch", robot: wish });
     if (wish === null) this.#cancel();
     else this.#endIn(SILENCE); // unless it says what became of the wish
@@ -167,9 +169,13 @@ export class Camera {
   }
 
   async #draw({ jpeg, robot, takenAt, socket }) {
-    const bitmap = await this.#world.decode(jpeg).catch(() => null); // a broken picture is skipped
+    const isSame = this.#shown !== null && isEqual(jpeg, this.#shown);
+    const bitmap = isSame ? null : await this.#world.decode(jpeg).catch(() => null); // a broken picture is skipped
     if (socket !== this.#socket) return;
-    if (bitmap && this.#allowed && robot === this.#said) this.#onPicture(bitmap, takenAt);
+    if ((bitmap || isSame) && this.#allowed && robot === this.#said) {
+      this.#shown = jpeg;
+      this.#onPicture(bitmap, takenAt);
+    }
     bitmap?.close();
     this.#seen(socket);
   }
@@ -207,3 +213,6 @@ export class Camera {
     socket.close();
   }
 }
+
+/** Whether they are the same bytes: a virtual camera that sees nothing move sends its picture again. */
+const isEqual = (one, other) => one.length === other.length && one.every((byte, place) => byte === other[place]);

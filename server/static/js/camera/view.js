@@ -30,14 +30,18 @@ export class CameraView {
     setInterval(() => this.#look(), TICK);
   }
 
-  /** A picture that was taken at `takenAt`, in s of performance.now() / 1000. */
+  /** A picture that was taken at `takenAt`, in s of performance.now() / 1000; null looks like the one before. */
   draw(bitmap, takenAt) {
-    const { width, height } = bitmap;
-    if (this.#canvas.width !== width || this.#canvas.height !== height) Object.assign(this.#canvas, { width, height });
-    this.#context.drawImage(bitmap, 0, 0);
+    if (bitmap) this.#paint(bitmap);
     this.#takenAt = takenAt;
     this.#canvas.hidden = false;
     if (this.#canvas.dataset.level !== "fresh") this.#look();
+  }
+
+  #paint(bitmap) {
+    const { width, height } = bitmap;
+    if (this.#canvas.width !== width || this.#canvas.height !== height) Object.assign(this.#canvas, { width, height });
+    this.#context.drawImage(bitmap, 0, 0);
   }
 
   /** What the relay says of the camera. @param {import("./relay.js").CameraState} state */
