@@ -11,7 +11,13 @@ from tests.support.programs import ROOT
 def modules() -> dict[str, ast.Module]:
     """The syntax trees of all modules by name."""
     trees = {}
-    for source, room in ((ROOT, "server"), (ROOT, "robot"), (ROOT, "sim"), (ROOT / "laser_bot_battle/src", "")):
+    for source, room in (
+        (ROOT, "server"),
+        (ROOT, "robot"),
+        (ROOT, "sim"),
+        (ROOT, "cards"),
+        (ROOT / "laser_bot_battle/src", ""),
+    ):
         for path in (source / room).rglob("*.py"):
             name = ".".join(path.relative_to(source).with_suffix("").parts).removesuffix(".__init__")
             trees[name] = ast.parse(path.read_text(), path)
@@ -67,6 +73,7 @@ def test_no_import_is_for_the_type_checker_only() -> None:
 
 def test_master_and_robot_share_nothing_but_the_contract_and_nobody_needs_the_simulation() -> None:
     forbidden = {"server": {"robot", "sim"}, "robot": {"server", "sim"}, "sim": {"server", "robot"}}
+    forbidden["cards"] = {"server", "robot", "sim"}
     forbidden["laser_bot_battle"] = forbidden["tcpros"] = set(forbidden)
     for name, tree in modules().items():
         rooms = {imported.split(".")[0] for imported in imports(tree)}

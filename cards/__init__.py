@@ -1,0 +1,1 @@
+"""The SD card with which a robot or a master begins."""

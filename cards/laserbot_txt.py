@@ -1,0 +1,283 @@
+"""laserbot.txt, the file on a card's first partition that says what the card is.
+
+    python3 -m cards.laserbot_txt     prints it as it is on a new card
+
+It is written by hand, on any computer and in any editor. Whatever is wrong in it costs its own line and nothing else.
+"""
+
+import base64
+import binascii
+import difflib
+import re
+import sys
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from laser_bot_battle import variables
+from laser_bot_battle.settings import shown, trimmed
+
+FILE = "laserbot.txt"
+LONGEST = 65_536  # bytes; what comes later is not read
+ROLES = ("robot", "master")
+_QUOTES = ('""', "''", "“”", "„“", "‘’", "«»")  # pairs
+
+
+@dataclass(frozen=True)
+class Card:
+    """What the file says. None and (): nothing, so that whoever uses it takes the default."""
+
+    role: str | None = None  # one of ROLES
+    arena: str | None = None  # the name of the arena to join, or under which the master announces itself
+    name: str | None = None  # of the robot, also as its host
+    wifi: str | None = None  # a network's name (SSID)
+    wifi_password: str | None = None  # WPA's, or its key as 64 hexadecimal digits
+    country: str | None = None  # ISO 3166, two capital letters
+    time_zone: str | None = None  # of the zones that were given
+    ssh_keys: tuple[str, ...] = ()  # lines of authorized_keys
+    operator_token: str | None = None
+    camera: str | None = None  # as LASERBOT_CAMERA
+
+
+class Mistake(NamedTuple):
+    """What is wrong in a line (from 1; 0: in the whole file), for whoever wrote it. No secret is in the text."""
+
+    line: int
+    text: str
+
+    def __str__(self) -> str:
+        return f"{FILE}{f', line {self.line}' if self.line else ''}: {self.text}"
+
+
+class _Field(NamedTuple):
+    name: str  # in Card
+    parse: Callable[[str], str]  # ValueError says what is allowed ("must be ...")
+    example: str
+    text: str  # for the file's own comments
+    is_secret: bool = False
+    written: str = ""  # in the file, if not as in Card
+    is_list: bool = False  # each line is one more
+
+    @property
+    def key(self) -> str:
+        return self.written or self.name
+
+
+def parse(content: bytes, zones: Collection[str]) -> tuple[Card, list[Mistake]]:
+    """The settings of a file with this content, and its mistakes in the order of their lines.
+
+    `zones` are the time zones that there are ("Europe/Berlin").
+    """
+    fields = {_letters(field.key): field for field in _fields(zones)}
+    found: dict[str, Any] = {}
+    lines: dict[str, int] = {}  # where each setting was found
+    text, mistakes = _decode(content)
+    for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
+        stripped = trimmed(line)
+        if not stripped or stripped.startswith("#"):
+            continue
+        try:
+            field, value = _assignment(stripped, fields)
+        except ValueError as error:
+            mistakes.append(Mistake(number, str(error)))
+            continue
+        if not value:
+            continue  # as if the line were not there
+        try:
+            if not value.isprintable():
+                raise ValueError("there are characters in it that nobody sees: write it anew")
+            value = field.parse(value)
+        except ValueError as error:
+            given = "" if field.is_secret else f" = {shown(value)}"
+            mistakes.append(Mistake(number, f"{field.key}{given}: {error}"))
+            continue
+        if field.is_list:
+            found[field.name] = (*found.get(field.name, ()), value)
+        else:
+            if field.name in found:
+                mistakes.append(
+                    Mistake(number, f"{field.key} stands in line {lines[field.name]}, too: this one counts")
+                )
+            found[field.name] = value
+        lines[field.name] = number
+    return Card(**found), mistakes
+
+
+def render() -> str:
+    """The file as it is on a new card: each setting explained, none set. Its lines end as Windows' do, for which old
+    editors there ask."""
+    lines = [
+        "# What this card is. All of it is optional: a card with this file as it is works, too.",
+        "# To set something, remove the # before it and write your own value. It counts from the next start on.",
+        f"# What cannot be understood is left out, and told in {FILE.replace('.', '-errors.')} beside this file.",
+        "# Whoever holds this card can read what is in this file, passwords too.",
+    ]
+    for field in _fields(("Europe/Berlin",)):
+        lines += ["", *(f"# {line}" for line in field.text.split("\n")), f"#{field.key} = {field.example}"]
+    return "\r\n".join([*lines, ""])
+
+
+def _decode(content: bytes) -> tuple[str, list[Mistake]]:
+    mistakes = []
+    if len(content) > LONGEST:
+        mistakes.append(Mistake(0, f"only the first {LONGEST} bytes are read"))
+        content = content[:LONGEST]
+    if content and not content.strip(b"\0"):
+        return "", [Mistake(0, "there is nothing in it but zeros, as after a pulled plug: write it anew")]
+    if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return content.decode("utf-16", "replace"), mistakes
+    try:
+        return content.decode(), mistakes
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        # older editors of Windows write so
+        mistakes.append(Mistake(line, "this is not UTF-8: letters outside of English may be read wrongly"))
+        return content.decode("cp1252", "replace"), mistakes
+
+
+def _assignment(line: str, fields: Mapping[str, _Field]) -> tuple[_Field, str]:
+    """Split `name = value`. ValueError for another line, which may be a secret that belongs elsewhere."""
+    match = re.match(r"([^=:]*)[=:](.*)", line)
+    if not match:
+        raise ValueError("this is not `name = value`; a comment begins with #")
+    name = _letters(match[1])
+    field = fields.get(name)
+    if not field:
+        # the name is not repeated: in a file like this, it may be a piece of a key
+        nearest = difflib.get_close_matches(name, fields, 1)
+        known = f"the nearest is {fields[nearest[0]].key}" if nearest else f"there are {_listed(fields)}"
+        raise ValueError(f"there is no such setting; {known}")
+    return field, _unquoted(trimmed(match[2]))
+
+
+def _listed(fields: Mapping[str, _Field]) -> str:
+    return ", ".join(field.key for field in fields.values())
+
+
+def _letters(name: str) -> str:
+    """What is left of a name whatever its spelling: `Wi-Fi password` is `wifi_password`."""
+    return re.sub(r"[\W_]", "", name).lower()
+
+
+def _unquoted(value: str) -> str:
+    return value[1:-1] if len(value) > 1 and value[0] + value[-1] in _QUOTES else value
+
+
+def _fields(zones: Collection[str]) -> tuple[_Field, ...]:
+    """All settings, in the order of the file."""
+    return (
+        _Field("role", _role, "robot", "What the card makes of this Raspberry Pi: robot or master."),
+        _Field(
+            "arena",
+            variables.ARENA_NAME.parse,
+            "hall",
+            "The arena's name: the master announces itself by it, and robots join it.\n"
+            "Needed only if there are several masters in the network.",
+        ),
+        _Field(
+            "name",
+            _host_name,
+            "raspberrypi1",
+            "The robot's name, also in the network (raspberrypi1.local). Each robot has another one.",
+        ),
+        _Field("wifi", _wifi, "Arena", "The Wi-Fi's name. With a cable, none is needed."),
+        _Field("wifi_password", _wifi_password, "correct horse", "Its password (WPA).", is_secret=True),
+        _Field("country", _country, "DE", "The country's two letters, for the Wi-Fi channels that are allowed there."),
+        _Field("time_zone", lambda text: _zone(text, zones), "Europe/Berlin", "The time zone."),
+        _Field(
+            "ssh_keys",
+            _ssh_key,
+            "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIAABAgMEBQYHCAkKCwwNDg8QERITFBUWFxgZGhscHR4f me@my-computer",
+            "Who may log in over SSH as the user pi: the content of a file like id_ed25519.pub.\n"
+            "One line for each key.",
+            is_secret=True,  # where somebody gives the private one
+            written="ssh_key",
+            is_list=True,
+        ),
+        _Field(
+            "operator_token",
+            variables.OPERATOR_TOKEN.parse,
+            "a long secret of yours",
+            f"Opens the operator's desk, on a master. At least {variables.SHORTEST_TOKEN} characters.",
+            is_secret=True,
+        ),
+        _Field(
+            "camera",
+            _camera,
+            "libcamera",
+            "The robot's camera: libcamera for the Raspberry Pi's own, /dev/video0 for one at USB.",
+        ),
+    )
+
+
+def _role(text: str) -> str:
+    if text.lower() not in ROLES:
+        raise ValueError(f"must be {' or '.join(ROLES)}")
+    return text.lower()
+
+
+def _host_name(text: str) -> str:
+    if not re.fullmatch(r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text.lower()):
+        raise ValueError("must be at most 63 letters (a to z), digits and -, which is neither first nor last")
+    return text.lower()
+
+
+def _wifi(text: str) -> str:
+    if len(text.encode()) > 32:
+        raise ValueError("must be at most 32 bytes, as every Wi-Fi's name is")
+    return text
+
+
+def _wifi_password(text: str) -> str:
+    # printable ASCII is all that WPA knows; 64 digits are the key itself
+    if not re.fullmatch(r"[ -~]{8,63}|[0-9a-fA-F]{64}", text):
+        raise ValueError("must be 8 to 63 letters (a to z), digits and signs, or 64 hexadecimal digits")
+    return text
+
+
+def _country(text: str) -> str:
+    if not re.fullmatch(r"[a-zA-Z]{2}", text) or text.upper() == "UK":
+        raise ValueError("must be the two letters of ISO 3166, such as DE, GB or US")
+    return text.upper()
+
+
+def _zone(text: str, zones: Collection[str]) -> str:
+    known = {zone.lower(): zone for zone in zones}
+    wanted = re.sub(r"\s+", "_", text.lower())
+    if wanted in known:
+        return known[wanted]
+    # many write only the city
+    nearest = difflib.get_close_matches(wanted, known, 1) or [
+        zone
+        for city in difflib.get_close_matches(wanted, sorted({zone.rpartition("/")[2] for zone in known}), 1)
+        for zone in sorted(known)
+        if zone.rpartition("/")[2] == city
+    ]
+    raise ValueError(f"there is no such time zone{f'; the nearest is {known[nearest[0]]}' if nearest else ''}")
+
+
+def _ssh_key(text: str) -> str:
+    kind, _, rest = text.partition(" ")
+    try:
+        content = base64.b64decode(rest.partition(" ")[0], validate=True)
+    except binascii.Error:
+        content = b""
+    # a key begins with the length and the name of its kind
+    if not re.fullmatch(r"(ssh|ecdsa|sk)-[\w@.-]+", kind) or content[:4] + content[4 : 4 + len(kind)] != (
+        len(kind).to_bytes(4, "big") + kind.encode()
+    ):
+        raise ValueError("must be a whole public key in one line, such as ssh-ed25519 AAAA... me@my-computer")
+    return text
+
+
+def _camera(text: str) -> str:
+    if text.lower() == "libcamera":
+        return text.lower()
+    if not re.fullmatch(r"/dev/[\w/.-]+", text):
+        raise ValueError("must be libcamera or a device such as /dev/video0")
+    return text
+
+
+if __name__ == "__main__":
+    sys.stdout.reconfigure(newline="")  # type: ignore[union-attr]
+    sys.stdout.write(render())

@@ -1,0 +1,169 @@
+"""What people write into laserbot.txt, and what a card makes of it."""
+
+import os
+import re
+import subprocess
+from dataclasses import fields
+
+import pytest
+
+from cards.laserbot_txt import LONGEST, Card, Mistake, parse, render
+from tests.support.programs import ROOT
+
+ZONES = ("America/New_York", "Etc/UTC", "Europe/Berlin", "Europe/London")
+KEY = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIAABAgMEBQYHCAkKCwwNDg8QERITFBUWFxgZGhscHR4f"
+TOKEN = "0123456789abcdef"
+
+
+@pytest.mark.parametrize(
+    "line, expected",
+    [
+        ("role = master", Card(role="master")),
+        ("ROLE=Robot", Card(role="robot")),
+        ("arena = Große Halle", Card(arena="Große Halle")),
+        ("name = RaspberryPi7", Card(name="raspberrypi7")),
+        ("Name: raspberrypi7", Card(name="raspberrypi7")),
+        ("wifi = Café 2.4 = fast: very", Card(wifi="Café 2.4 = fast: very")),
+        ("Wi-Fi = Arena", Card(wifi="Arena")),
+        ("wifi = Arena # 5", Card(wifi="Arena # 5")),
+        ('wifi = " Arena "', Card(wifi=" Arena ")),
+        ("wifi = “Arena”", Card(wifi="Arena")),
+        ('wifi = ""Arena""', Card(wifi='"Arena"')),
+        ('wifi = 5" screen', Card(wifi='5" screen')),
+        ("Wi-Fi password = a=b:c #d e", Card(wifi_password="a=b:c #d e")),
+        (f"wifi_password = {'0aF1' * 16}", Card(wifi_password="0aF1" * 16)),
+        ("country = de", Card(country="DE")),
+        ("time zone = europe/berlin", Card(time_zone="Europe/Berlin")),
+        ("TimeZone: America/New York", Card(time_zone="America/New_York")),
+        (f"ssh_key = {KEY} me@my computer", Card(ssh_keys=(f"{KEY} me@my computer",))),
+        (f"operator_token = {TOKEN}", Card(operator_token=TOKEN)),
+        ("camera = LibCamera", Card(camera="libcamera")),
+        ("camera = /dev/video0", Card(camera="/dev/video0")),
+        ("\ufeff\u200b  role\u00a0=\u00a0robot\u200b\u00a0\t", Card(role="robot")),
+        ("   # role = master", Card()),
+        ("role =", Card()),
+        ('arena = ""', Card()),
+        ("", Card()),
+    ],
+)
+def test_a_line_is_understood(line: str, expected: Card) -> None:
+    assert parse(line.encode(), ZONES) == (expected, [])
+
+
+@pytest.mark.parametrize(
+    "line, told",
+    [
+        ("role = Roboter", "role = Roboter: must be robot or master"),
+        ("arenas = hall", "there is no such setting; the nearest is arena"),
+        ("wifi_pasword = secret word", "there is no such setting; the nearest is wifi_password"),
+        ("ssh_keys = x", "there is no such setting; the nearest is ssh_key"),
+        (
+            "xyz = secret",
+            "there is no such setting; there are role, arena, name, wifi, wifi_password, country, time_zone, ssh_key, "
+            "operator_token, camera",
+        ),
+        ("= robot", "there is no such setting; there are role, "),
+        (KEY, "this is not `name = value`; a comment begins with #"),
+        ("-----BEGIN OPENSSH PRIVATE KEY-----", "this is not `name = value`; a comment begins with #"),
+        ("arena = a.b", "arena = a.b: must be a name of at most 60 bytes without dots, and not begin with _"),
+        ("arena = ha\u200bll", r"arena = ha\u200bll: there are characters in it that nobody sees: write it anew"),
+        ("name = robot_1", "name = robot_1: must be at most 63 letters (a to z), digits and -, which"),
+        ("name = -robot", "name = -robot: must be "),
+        (f"name = {'x' * 64}", "must be at most 63 letters"),
+        (f"wifi = {'é' * 17}", "must be at most 32 bytes"),
+        (
+            "wifi_password = short",
+            "wifi_password: must be 8 to 63 letters (a to z), digits and signs, or 64 hexadecimal",
+        ),
+        ("wifi_password = pässword", "wifi_password: must be 8 to 63 "),
+        ("wifi_password = pass\u00a0word", "wifi_password: there are characters in it that nobody sees: write it anew"),
+        ("country = Germany", "country = Germany: must be the two letters of ISO 3166, such as DE, GB or US"),
+        ("country = uk", "country = uk: must be the two letters of ISO 3166"),
+        (
+            "time_zone = Europe/Berln",
+            "time_zone = Europe/Berln: there is no such time zone; the nearest is Europe/Berlin",
+        ),
+        ("time_zone = london", "time_zone = london: there is no such time zone; the nearest is Europe/London"),
+        ("time_zone = 17", "time_zone = 17: there is no such time zone"),
+        (
+            "ssh_key = ~/.ssh/id_ed25519.pub",
+            "ssh_key: must be a whole public key in one line, such as ssh-ed25519 AAAA",
+        ),
+        (f"ssh_key = {KEY[:20]}", "ssh_key: must be a whole public key"),
+        (f"ssh_key = {KEY.replace('ed25519', 'rsa')}", "ssh_key: must be a whole public key"),
+        ("operator_token = too short", "operator_token: the token needs at least 16 characters"),
+        ("camera = video0", "camera = video0: must be libcamera or a device such as /dev/video0"),
+    ],
+)
+def test_a_wrong_line_is_told_and_costs_nothing_else(line: str, told: str) -> None:
+    card, [mistake] = parse(f"# hall\r\n{line}\r\ncountry = FR\r\n".encode(), ZONES)
+    assert card == Card(country="FR")
+    assert mistake.line == 2
+    assert told in mistake.text
+    assert str(mistake) == f"laserbot.txt, line 2: {mistake.text}"
+
+
+def test_no_secret_is_in_what_is_told() -> None:
+    secret = "hunter2"
+    lines = [f"wifi_password = {secret}", f"operator_token = {secret}", f"wifipasswort {secret}", f"{secret} = x"]
+    lines += [f"ssh_key = {secret}", f"wifi_passwd: {secret}"]
+    _, mistakes = parse("\n".join(lines).encode(), ZONES)
+    assert [mistake.line for mistake in mistakes] == [1, 2, 3, 4, 5, 6]
+    assert not [mistake for mistake in mistakes if secret in str(mistake)]
+
+
+def test_each_key_is_one_more_and_of_other_settings_the_last_counts() -> None:
+    card, mistakes = parse(f"ssh_key={KEY} a\nssh_key={KEY} b\nrole=robot\nrole=master\nrole=\n".encode(), ZONES)
+    assert card == Card(ssh_keys=(f"{KEY} a", f"{KEY} b"), role="master")
+    assert mistakes == [Mistake(4, "role stands in line 3, too: this one counts")]
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_any_editor_will_do(encoding: str, end: str) -> None:
+    content = end.join(["arena = Große Halle", "", "wifi = Arena"]).encode(encoding)
+    assert parse(content, ZONES) == (Card(arena="Große Halle", wifi="Arena"), [])
+
+
+def test_an_old_editors_letters_are_read_and_told() -> None:
+    card, mistakes = parse("role = robot\r\narena = Große Halle".encode("cp1252"), ZONES)
+    assert card == Card(role="robot", arena="Große Halle")
+    assert [mistake.line for mistake in mistakes] == [2]
+
+
+@pytest.mark.parametrize(
+    "content", [b"\0" * 512, b"\xff\xfe\x00", b"\xfe\xff", bytes(range(256)) * 16, b"=" * 999, b"\x81\r\n"]
+)
+def test_nothing_in_the_file_stops_the_start(content: bytes) -> None:
+    parse(content, ZONES)
+    card, _ = parse(b"country = FR\n" + content, ZONES)
+    assert card.country == "FR"
+
+
+def test_a_file_that_a_pulled_plug_has_emptied_is_told() -> None:
+    card, [mistake] = parse(b"\0" * 512, ZONES)
+    assert card == Card()
+    assert str(mistake).startswith("laserbot.txt: there is nothing in it but zeros")
+    assert parse(b"", ZONES) == (Card(), [])
+
+
+def test_the_rest_of_an_endless_file_is_told() -> None:
+    content = b"role = robot\n" + b"#" * LONGEST + b"\nrole = master"
+    assert parse(content, ZONES) == (Card(role="robot"), [Mistake(0, f"only the first {LONGEST} bytes are read")])
+
+
+def test_a_new_card_sets_nothing_and_explains_everything() -> None:
+    assert parse(render().encode(), ZONES) == (Card(), [])
+    # each setting is there as an example that holds once its # is removed
+    card, mistakes = parse(re.sub(r"^#(?=\w+ = )", "", render(), flags=re.MULTILINE).encode(), ZONES)
+    assert not mistakes
+    assert all(getattr(card, field.name) for field in fields(Card))
+    assert max(map(len, render().splitlines())) <= 120
+
+
+def test_the_program_prints_the_file_with_the_line_ends_of_windows() -> None:
+    environ = {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT}/laser_bot_battle/src"}
+    command = ["/usr/bin/python3", "-m", "cards.laserbot_txt"]
+    printed = subprocess.run(command, cwd=ROOT, env=environ, stdout=subprocess.PIPE, check=True).stdout
+    assert printed == render().encode()
+    assert printed.count(b"\r\n") == printed.count(b"\n") > 20
