@@ -78,6 +78,11 @@ export class ArenaView {
     this.#picture.realFloor = picture;
   }
 
+  /** Another picture of the page is being drawn beside the arena's. */
+  join() {
+    this.#picture.join();
+  }
+
   #see(message) {
     const seen = readPositions(message);
     if (!seen) return;

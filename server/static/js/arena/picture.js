@@ -1,5 +1,6 @@
 // The floor on a canvas: draws what moves, as often as it can be seen. Whoever has robots gives it them.
 
+import { Company } from "./company.js";
 import { Governor } from "./governor.js";
 import { Loop } from "./loop.js";
 import { MOTION, REST } from "./pace.js";
@@ -16,7 +17,12 @@ export class Picture {
   #scene;
   #robots;
   #governor = new Governor();
-  #loop = new Loop({ look: (...seen) => this.#look(...seen), draw: (now) => this.#draw(now) });
+  #company = new Company();
+  #loop = new Loop({
+    look: (...seen) => this.#look(...seen),
+    draw: (now) => this.#draw(now),
+    nextPicture: (act) => this.#company.next(act),
+  });
   #most = hasGpu() ? MOTION : BY_SOFTWARE; // pictures a second
   #newsAt = 0; // s
   #scale = 1;
@@ -69,10 +75,17 @@ export class Picture {
     this.wake();
   }
 
-  /** At how much of its size the page shows the picture, by a transform: motion is slower in a small one, which is drawn less often. @param {number} scale */
+  /** At how much of its size the page shows the picture, by a transform: a small one has fewer pixels, and slower motion, which is drawn
+   *  less often. @param {number} scale */
   set scale(scale) {
-    this.#scale = scale;
+    if (scale === this.#scale) return;
+    this.#scale = this.#scene.share = scale;
     this.wake();
+  }
+
+  /** Another picture is being drawn beside this one. */
+  join() {
+    this.#company.join();
   }
 
   /** Something may look other now. */
@@ -82,7 +95,7 @@ export class Picture {
   }
 
   #look(now, isFirst, waited) {
-    if (isFirst) this.#governor.rest();
+    if (isFirst || this.#company.isThere) this.#governor.rest(); // it did not wait for the screen alone
     this.#governor.picture(now, waited);
   }
 

@@ -34,6 +34,7 @@ export class Scene {
   #sprites;
   #room = { width: 0, height: 0 }; // CSS px
   #density = 0; // canvas pixels for a CSS px
+  #share = 1; // of its size at which the page shows the canvas
   #scale = 0; // canvas pixels for a metre
   #places = [];
   #drawn = null; // the robots on the canvas; null: something else has changed
@@ -70,6 +71,12 @@ export class Scene {
   resize(width, height) {
     this.#room = { width, height };
     this.#density = 0;
+    this.#drawn = null;
+  }
+
+  /** At how much of its size the page shows the canvas. @param {number} share */
+  set share(share) {
+    this.#share = share;
     this.#drawn = null;
   }
 
@@ -169,7 +176,7 @@ export class Scene {
 
   #draw(robots, roles, effects, still, now) {
     [this.#drawn, this.#effects, this.#drawnAt] = [robots, effects, now];
-    this.#prepare(Math.min(window.devicePixelRatio || 1, effects.density));
+    this.#prepare(this.#share * Math.min(window.devicePixelRatio || 1, effects.density));
     const context = this.#context;
     context.setTransform(1, 0, 0, 1, 0, 0);
     this.#drawFloor(context);

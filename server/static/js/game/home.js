@@ -123,6 +123,7 @@ class Game {
         this.#arena.scale = view === "camera" ? CORNER : 1;
         this.#guide.show();
       },
+      onPicture: () => this.#arena.join(),
     });
     this.#guide = new Guide({
       box: byId("guide"),

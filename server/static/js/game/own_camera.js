@@ -15,6 +15,7 @@ export class OwnCamera {
   #choice;
   #camera;
   #onView;
+  #onPicture;
   #picture = new CameraView({ canvas: byId("camera"), note: byId("camera-note"), age: byId("camera-age") });
 
   /**
@@ -23,17 +24,22 @@ export class OwnCamera {
    * @param {import("../common/preferences_store.js").Preferences} wiring.preferences
    * @param {() => Promise<{user: string, ticket: string}|null>} wiring.getTicket for the player of this page
    * @param {(view: import("./view_choice.js").View) => void} wiring.onView what the stage shows now
+   * @param {() => void} wiring.onPicture the camera's picture is drawn
    */
-  constructor({ robot, preferences, getTicket, onView }) {
+  constructor({ robot, preferences, getTicket, onView, onPicture }) {
     this.#robot = robot;
     this.#preferences = preferences;
     this.#onView = onView;
+    this.#onPicture = onPicture;
     this.#choice = new ViewChoice(preferences.get("view"));
     this.#camera = new Camera({
       url: socketAddress("relay"),
       getTicket,
       onState: (state) => this.#take(state),
-      onPicture: (bitmap, takenAt) => this.#picture.draw(bitmap, takenAt),
+      onPicture: (bitmap, takenAt) => {
+        this.#picture.draw(bitmap, takenAt);
+        if (bitmap) this.#onPicture();
+      },
     });
     byId("view").addEventListener("click", () => this.#toggle());
     byId("to-arena").addEventListener("click", () => this.#toggle());
