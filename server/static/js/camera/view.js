@@ -1,6 +1,8 @@
 // A camera's picture on a page: the newest one, how old it is, and why there is none.
 
 import { ageOf } from "./age.js";
+import { enlargement } from "./enlargement.js";
+import { hasGpu } from "../arena/rendering.js";
 import { cameraText } from "./words.js";
 import { setText } from "../common/dom.js";
 import { t } from "../common/words.js";
@@ -13,6 +15,8 @@ export class CameraView {
   #note;
   #age;
   #context;
+  #hasGpu = hasGpu();
+  #shown = 0; // how wide the canvas is on the screen, in its pixels
   #takenAt = null; // of the picture that is shown, s of performance.now() / 1000
   #state = null;
 
@@ -28,6 +32,7 @@ export class CameraView {
     this.#age = age;
     this.#context = canvas.getContext("2d", { alpha: false });
     setInterval(() => this.#look(), TICK);
+    new ResizeObserver(([{ contentRect }]) => (this.#shown = contentRect.width * devicePixelRatio)).observe(canvas);
   }
 
   /** A picture that was taken at `takenAt`, in s of performance.now() / 1000; null looks like the one before. */
@@ -39,9 +44,11 @@ export class CameraView {
   }
 
   #paint(bitmap) {
-    const { width, height } = bitmap;
+    const times = this.#hasGpu ? 1 : enlargement(bitmap.width, this.#shown);
+    const [width, height] = [times * bitmap.width, times * bitmap.height];
     if (this.#canvas.width !== width || this.#canvas.height !== height) Object.assign(this.#canvas, { width, height });
-    this.#context.drawImage(bitmap, 0, 0);
+    this.#canvas.classList.toggle("is-enlarged", times > 1);
+    this.#context.drawImage(bitmap, 0, 0, width, height);
   }
 
   /** What the relay says of the camera. @param {import("./relay.js").CameraState} state */
