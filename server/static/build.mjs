@@ -15,7 +15,7 @@ const SCRIPTS = [
   "watch/watch",
 ];
 const STYLES = [
-  "about", "arena", "camera", "common", "controls", "entrance", "error", "feed", "guide", "hits", "home", "hud", "keys", "lobby", "login", "operator",
+  "about", "arena", "camera", "common", "controls", "entrance", "error", "feed", "floor", "guide", "hits", "home", "hud", "keys", "lobby", "login", "operator",
   "own_camera", "podium", "results", "teams", "touch", "tournament", "watch",
 ];
 const AVATARS = [0, 1, 2, 3, 4].map((number) => `avatar${number}.svg`);

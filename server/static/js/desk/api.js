@@ -51,6 +51,9 @@ export const setRules = (values) => call("PUT", "rules", values);
 export const presets = (change) => call("POST", "presets", change);
 export const openVote = (choices, seconds) => call("POST", "vote", { choices, ...(choices.length && { seconds }) });
 export const tournament = (order) => call("POST", "tournament", order);
+export const floor = () => call("GET", "floor");
+export const checkFloor = (floor) => call("POST", "floor/check", { floor });
+export const saveFloor = (floor, version) => call("PUT", "floor", { floor, version });
 export const showMessage = (text) => call("POST", "message", { text });
 
 /** Sign this browser out of the desk. */

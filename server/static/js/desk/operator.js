@@ -4,6 +4,7 @@ import * as api from "./api.js";
 import * as dialogs from "../common/dialogs.js";
 import { RulesForm, WordsForm } from "./forms.js";
 import { Cameras } from "./cameras.js";
+import { FloorEditor } from "./floor.js";
 import { Journal } from "./journal.js";
 import { LightCheck } from "./light_check.js";
 import { Presets } from "./presets.js";
@@ -55,6 +56,7 @@ const drive = new TestDrive();
 const cameras = new Cameras();
 const journal = new Journal();
 const lightCheck = new LightCheck(showFailure);
+const floor = new FloorEditor(act, showFailure);
 const soundCheck = new SoundCheck();
 
 const poll = new Poll({
@@ -69,6 +71,7 @@ const poll = new Poll({
     words.show(state.names.words);
     tournament.show(state);
     journal.show(state.has_journal);
+    floor.show(state.game);
     lightCheck.show(state.game, state.robots, state.rules.practice.value);
     const driven = state.robots.find(({ id }) => id === drive.robot);
     if (!driven || driven.in_service) drive.stop();
@@ -168,6 +171,7 @@ addEventListener("pageshow", (event) => event.persisted && location.reload());
 connectPreferences();
 cameras.start();
 journal.start();
+floor.start();
 vote.start();
 
 const tick = () => poll.tick(document.hidden);
