@@ -1,7 +1,10 @@
 """The tracker between a camera's stream and ROS."""
 
+import json
 import math
+import shutil
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +12,7 @@ import pytest
 import requests
 from prometheus_client.parser import text_string_to_metric_families
 
+from laser_bot_battle.floor import floor_file
 from laser_bot_battle.names import OVERHEAD_CAMERA, OVERHEAD_STATUS, OVERHEAD_VIEW, POSITIONS, WATCHED, command_topic
 from server.overhead.view import View
 from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, RosSide
@@ -27,7 +31,9 @@ VIEW = OverheadCamera(floor=Floor(1.6, 1.2), x=0.8, y=0.6, z=2.4, focal_length=1
 class Hall:
     """A camera above the floor `battle`, the tracker, and who listens to it."""
 
-    def __init__(self, master: RosMaster) -> None:
+    def __init__(self, master: RosMaster, folder: Path) -> None:
+        self.floor = folder / "floor.json"
+        shutil.copy(floor_file("battle"), self.floor)
         self.camera = FakeCamera(rate=15)
         self.camera.part = lambda _, __: with_headers(self.jpeg, f"Content-Length: {len(self.jpeg)}")
         self.show(ROBOTS)
@@ -43,6 +49,7 @@ class Hall:
             env={
                 **master.env,
                 "LASERBOT_OVERHEAD_CAMERA": self.camera.url,
+                "LASERBOT_FLOOR": str(self.floor),
                 "LASERBOT_OVERHEAD_HEIGHT": str(VIEW.z),
                 "LASERBOT_METRICS": f"127.0.0.1:{self.metrics - WATCHED.index('overhead')}",
             },
@@ -67,8 +74,8 @@ class Hall:
 
 
 @pytest.fixture(scope="module")
-def hall(ros_master: RosMaster) -> Iterator[Hall]:
-    hall = Hall(ros_master)
+def hall(ros_master: RosMaster, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Hall]:
+    hall = Hall(ros_master, tmp_path_factory.mktemp("hall"))
     try:
         with hall.camera:
             until(lambda: hall.positions.keys() == ROBOTS.keys(), 20, "places of the robots")
@@ -167,3 +174,10 @@ def test_without_an_address_it_says_what_to_set() -> None:
     until(lambda: not program.running, 20, "its end")
     assert program.process.returncode == 2
     assert "LASERBOT_OVERHEAD_CAMERA must say where the camera above the floor is" in program.output
+
+
+def test_it_takes_another_floor_by_itself(hall: Hall) -> None:
+    floor = json.loads(hall.floor.read_text())
+    hall.floor.write_text(json.dumps({**floor, "walls": []}))
+    until(lambda: len(hall.side.heard(POSITIONS)[-1]["walls"]) == 16, 20, "only the outer walls")
+    until(lambda: hall.positions.keys() == ROBOTS.keys(), 20, "places of the robots")
