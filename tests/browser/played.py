@@ -1,6 +1,7 @@
 """A server on which two battles have been played, seen from above: battle 1 until Bob left, battle 2 until he was shot
 down. Jörg has won both."""
 
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
@@ -10,29 +11,33 @@ from typing import Any
 import requests
 
 from tests.integration.server.conftest import GameServer
+from tests.support.demo import TOKEN
 from tests.support.polling import until
+from tests.support.programs import ROOT
 from tests.support.ros import RosMaster
 
 SEEN = 4  # s of the first battle
 
 
 class Played:
-    """Its pages, and the folder of its database."""
+    """Its pages, the folder of its database, and the file of its floor."""
 
-    def __init__(self, url: str, data: Path) -> None:
-        self.url, self.data = url, data
+    def __init__(self, url: str, data: Path, floor: Path) -> None:
+        self.url, self.data, self.floor = url, data, floor
 
 
 @contextmanager
 def played_server(folder: Path) -> Iterator[Played]:
     master = RosMaster(folder / "ros")
     master.start()
-    data = folder / "data"
-    server = GameServer(master, data, (), LASERBOT_COUNTDOWN="1", LASERBOT_HIT_DAMAGE="40")
+    data, floor = folder / "data", folder / "hall.json"
+    shutil.copy(ROOT / "floors" / "hall.json", floor)
+    settings = {"LASERBOT_COUNTDOWN": "1", "LASERBOT_HIT_DAMAGE": "40", "LASERBOT_FLOOR": str(floor)}
+    server = GameServer(master, data, (), LASERBOT_OPERATOR_TOKEN=TOKEN, **settings)
     try:
         server.wait_until_serving()
         play(server)
-        yield Played(server.url, data)
+        yield Played(server.url, data, floor)
     finally:
         server.end()
         master.stop()
