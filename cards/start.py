@@ -1,0 +1,96 @@
+"""Makes the host what laserbot.txt says, at each start before anything else asks who it is.
+
+    python3 -m cards.start [--boot FOLDER] [--root FOLDER]
+
+A setting that is not there leaves everything as it is: whoever deploys to the host by Ansible may have decided it.
+What is wrong in the file is told on the screen and in laserbot-errors.txt beside it; without mistakes there is no such
+file. Nothing is written that is as it should be already.
+"""
+
+import argparse
+import os
+import shutil
+import sys
+import zoneinfo
+from pathlib import Path
+
+from cards.files import HOST_NAME, File, files, own_name
+from cards.laserbot_txt import FILE, LONGEST, Mistake, parse
+
+ERRORS = "laserbot-errors.txt"
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--boot", type=Path, default=Path("/boot/firmware"), help="the card's first partition")
+    parser.add_argument("--root", type=Path, default=Path("/"), help="the system")
+    arguments = parser.parse_args()
+    start(arguments.boot, arguments.root)
+    return 0
+
+
+def start(boot: Path, root: Path) -> None:
+    content, mistakes = _read(boot / FILE)
+    card, wrong = parse(content, zoneinfo.available_timezones())
+    mistakes += wrong
+    decided = files(card)
+    if not (root / HOST_NAME[1:]).exists():
+        decided.setdefault(HOST_NAME, File(f"{own_name(_serial(root))}\n"))
+    for path, file in decided.items():
+        _put(root / path[1:], file)
+    _tell(boot / ERRORS, mistakes)
+
+
+def _read(path: Path) -> tuple[bytes, list[Mistake]]:
+    """The file's beginning. A partition that cannot be read is as good as a file that is not there."""
+    try:
+        with path.open("rb") as file:
+            return file.read(LONGEST + 1), []
+    except OSError as error:
+        return b"", [Mistake(0, f"cannot be read: {error.strerror}")]
+
+
+def _serial(root: Path) -> str:
+    try:
+        return (root / "proc/device-tree/serial-number").read_text().strip("\0\n")
+    except OSError:  # not a Raspberry Pi
+        return ""
+
+
+def _put(path: Path, file: File) -> None:
+    """Atomically: the power may go at any moment."""
+    if file.link:
+        if path.is_symlink() and os.readlink(path) == file.content:
+            return
+    elif path.is_file() and not path.is_symlink() and path.read_text() == file.content:
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    new = path.with_name(f"{path.name}.new")
+    new.unlink(missing_ok=True)
+    if file.link:
+        new.symlink_to(file.content)
+    else:
+        with open(new, "x", opener=lambda name, flags: os.open(name, flags, file.mode)) as opened:
+            opened.write(file.content)
+            opened.flush()
+            os.fsync(opened.fileno())
+        if file.owner != "root":
+            shutil.chown(new, file.owner, file.owner)
+    new.replace(path)
+
+
+def _tell(path: Path, mistakes: list[Mistake]) -> None:
+    for mistake in mistakes:
+        print(mistake, file=sys.stderr)
+    text = "".join(f"{mistake}\r\n" for mistake in mistakes)
+    try:
+        if not text:
+            path.unlink(missing_ok=True)
+        elif not path.exists() or path.read_bytes() != text.encode():
+            path.write_bytes(text.encode())
+    except OSError as error:
+        print(f"{path}: cannot be written: {error.strerror}", file=sys.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

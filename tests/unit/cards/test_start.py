@@ -1,0 +1,112 @@
+"""What a card's settings become on its system."""
+
+from pathlib import Path
+
+import pytest
+
+from cards.files import files
+from cards.laserbot_txt import Card, render
+from cards.start import ERRORS, start
+
+WIFI = "/etc/wpa_supplicant/wpa_supplicant-wlan0.conf"
+KEYS = "/home/pi/.ssh/authorized_keys"
+KEY = "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIAABAgMEBQYHCAkKCwwNDg8QERITFBUWFxgZGhscHR4f"
+
+
+@pytest.fixture
+def boot(tmp_path: Path) -> Path:
+    (tmp_path / "boot").mkdir()
+    return tmp_path / "boot"
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    (tmp_path / "root/proc/device-tree").mkdir(parents=True)
+    (tmp_path / "root/proc/device-tree/serial-number").write_bytes(b"00000000abcdef12\0")
+    return tmp_path / "root"
+
+
+@pytest.mark.parametrize(
+    "line, expected",
+    [("", "raspberrypi-cdef12"), ("name = raspberrypi7", "raspberrypi7"), ("role = master", "laser-bot-master")],
+)
+def test_a_host_has_a_name_of_its_own(line: str, expected: str, boot: Path, root: Path) -> None:
+    (boot / "laserbot.txt").write_text(line)
+    start(boot, root)
+    assert (root / "etc/hostname").read_text() == f"{expected}\n"
+
+
+@pytest.mark.parametrize(
+    "card, lines",
+    [
+        (Card(wifi='a"b\\', wifi_password='pass"word'), ["ssid=6122625c", 'psk="pass"word"', "key_mgmt=WPA-PSK SAE"]),
+        (Card(wifi="hall", wifi_password="0a" * 32), [f"psk={'0a' * 32}"]),
+        (Card(wifi="hall"), ["key_mgmt=NONE"]),
+        (Card(wifi="hall", country="DE"), ["country=DE"]),
+    ],
+)
+def test_the_wifi_is_joined_whatever_its_name_is(card: Card, lines: list[str]) -> None:
+    content = files(card)[WIFI].content
+    assert not set(lines) - {line.strip() for line in content.splitlines()}
+
+
+def test_a_new_card_starts_without_a_word(boot: Path, root: Path) -> None:
+    (boot / "laserbot.txt").write_text(render())
+    start(boot, root)
+    assert (root / "etc/hostname").read_text() == "raspberrypi-cdef12\n"
+    assert [path.name for path in (root / "etc").iterdir()] == ["hostname"]
+    assert not (boot / ERRORS).exists()
+
+
+def test_what_is_said_holds(boot: Path, root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    owned = []
+    monkeypatch.setattr("cards.start.shutil.chown", lambda path, user, group: owned.append((path, user, group)))
+    (boot / "laserbot.txt").write_text(f"time_zone = Europe/Paris\nssh_key = {KEY}\nwifi = hall\nname = r1\n")
+    start(boot, root)
+    assert (root / "etc/localtime").readlink() == Path("/usr/share/zoneinfo/Europe/Paris")
+    assert (root / KEYS[1:]).read_text() == f"{KEY}\n"
+    assert [user for _, user, _ in owned] == ["pi"]
+    for secret in (KEYS, WIFI):
+        assert (root / secret[1:]).stat().st_mode & 0o777 == 0o600
+
+
+def test_what_is_not_said_is_left_to_others(boot: Path, root: Path) -> None:
+    """To Ansible, which has deployed to the host."""
+    (root / "etc").mkdir()
+    (root / "etc/hostname").write_text("raspberrypi5\n")
+    (root / "etc/localtime").symlink_to("/usr/share/zoneinfo/Asia/Tokyo")
+    (boot / "laserbot.txt").write_text(render())
+    start(boot, root)
+    assert (root / "etc/hostname").read_text() == "raspberrypi5\n"
+    assert (root / "etc/localtime").readlink() == Path("/usr/share/zoneinfo/Asia/Tokyo")
+
+
+def test_nothing_is_written_that_is_as_it_should_be(boot: Path, root: Path) -> None:
+    (boot / "laserbot.txt").write_text("name = r1\nrole = both\n")
+    start(boot, root)
+    before = {path: path.lstat().st_ino for folder in (boot, root) for path in folder.rglob("*")}
+    start(boot, root)
+    assert {path: path.lstat().st_ino for folder in (boot, root) for path in folder.rglob("*")} == before
+
+
+def test_mistakes_are_told_beside_the_file_until_they_are_gone(
+    boot: Path, root: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (boot / "laserbot.txt").write_text("name = r1\nrole = both\n")
+    start(boot, root)
+    told = "laserbot.txt, line 2: role = both: must be robot or master"
+    assert (boot / ERRORS).read_bytes() == f"{told}\r\n".encode()
+    assert capsys.readouterr().err == f"{told}\n"
+    assert (root / "etc/hostname").read_text() == "r1\n"
+    (boot / "laserbot.txt").write_text("name = r1\n")
+    start(boot, root)
+    assert not (boot / ERRORS).exists()
+
+
+def test_a_card_without_the_file_or_even_its_partition_starts(boot: Path, root: Path) -> None:
+    start(boot, root)
+    assert "cannot be read" in (boot / ERRORS).read_text()
+    (boot / ERRORS).unlink()
+    boot.rmdir()
+    start(boot, root)
+    assert (root / "etc/hostname").read_text() == "raspberrypi-cdef12\n"
