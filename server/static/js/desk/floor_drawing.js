@@ -1,6 +1,6 @@
 // The floor that is being changed, as a drawing: painted as on all pages, and over it what can be taken hold of.
 
-import { paintFloor } from "../arena/floor.js";
+import { paintGround, paintWalls } from "../arena/floor.js";
 import { drawPlaces } from "../arena/places.js";
 import { setText } from "../common/dom.js";
 import { t } from "../common/words.js";
@@ -92,7 +92,8 @@ export class FloorDrawing {
     context.setTransform(scale, 0, 0, -scale, MARGIN * scale, (height + MARGIN) * scale);
     const outer = [[0, 0, width, 0], [width, 0, width, height], [width, height, 0, height], [0, height, 0, 0]];
     const placed = (list) => this.#plan[list].filter((_, index) => plans.isPlaced(this.#plan, { list, index }));
-    paintFloor(context, { width, height, walls: [...outer, ...placed("walls")] });
+    paintGround(context, { width, height });
+    paintWalls(context, { width, height, walls: [...outer, ...placed("walls")] });
     drawPlaces(context, placed("zones").filter(({ radius }) => radius > 0).map((zone) => ({ ...zone, kind: zone.kind === "hill" ? HILL : REPAIR })));
   }
 
