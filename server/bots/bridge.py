@@ -42,6 +42,7 @@ class Feed:
         self.status: Status | None = None
         """None while rosbridge is away"""
         self.sight = Sight()
+        self._unclear = ""
 
     async def follow(self) -> NoReturn:
         """For ever, also when rosbridge is restarted."""
@@ -69,8 +70,10 @@ class Feed:
                     self.sight.see(asyncio.get_running_loop().time(), Positions.from_message(message["msg"]))
                 case _:
                     _note(message)
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            _log.warning("cannot understand a message from rosbridge: %r", error)
+        except (ArithmeticError, AttributeError, KeyError, TypeError, ValueError) as error:
+            if repr(error) != self._unclear:  # once: /positions come 15 times a second
+                _log.warning("cannot understand a message from rosbridge: %r", error)
+            self._unclear = repr(error)
 
 
 class Wheel:

@@ -1,6 +1,5 @@
 """What a bot hears of the battle by rosbridge: `/game_status` and `/positions`, as JSON. Pure."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -9,6 +8,8 @@ from laser_bot_battle.geometry import Pose, Wall
 from laser_bot_battle.names import Game, is_bot
 
 MAX_SIDE = 100.0  # m, of a floor
+OFF = 1.0  # m; a robot that is farther off the floor is none: to plan a way to it would take for ever
+MOST_TURNED = 1e4  # rad
 
 
 @dataclass(frozen=True)
@@ -73,9 +74,16 @@ class Positions:
         robots = {
             int(one["robot"]): Pose(float(one["x"]), float(one["y"]), float(one["heading"]))
             for one in message["robots"]
-            if all(isinstance(one[field], int | float) and math.isfinite(one[field]) for field in ("x", "y", "heading"))
+            if _is_between(one["x"], -OFF, width + OFF)
+            and _is_between(one["y"], -OFF, height + OFF)
+            and _is_between(one["heading"], -MOST_TURNED, MOST_TURNED)
         }
         return cls(Floor(width, height, tuple(zip(ends, ends, ends, ends, strict=False))), robots)
+
+
+def _is_between(value: object, least: float, most: float) -> bool:
+    """Whether it is a number, and one of these."""
+    return isinstance(value, int | float) and least <= value <= most
 
 
 def fights(status: Status, me: Player) -> bool:

@@ -46,8 +46,8 @@ class Sight:
         self._poses, self._at = positions.robots, now
 
     def is_blind(self, now: float) -> bool:
-        """Whether nothing is known of the robots."""
-        return now - self._at > BLIND_AFTER
+        """Whether nothing is known of the robots: a camera that sees none goes on telling so."""
+        return not self._poses or now - self._at > BLIND_AFTER
 
     def seen(self, robot: int, now: float) -> tuple[float, Pose] | None:
         """When that robot was last seen, and where; None: it is not seen."""

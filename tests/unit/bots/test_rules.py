@@ -42,7 +42,8 @@ def test_a_status_is_read_from_rosbridge() -> None:
 
 def test_positions_are_read_from_rosbridge_and_who_is_nowhere_is_left_out() -> None:
     there, lost = {"robot": 3, "x": 1, "y": 0.5, "heading": -1.5}, {"robot": 4, "x": None, "y": 0.5, "heading": 0}
-    message = {"width": 1.6, "height": 1.2, "walls": [0, 0, 1, 1, 0.5], "robots": [there, lost]}
+    far = {"robot": 5, "x": 1, "y": -3e38, "heading": 0}
+    message = {"width": 1.6, "height": 1.2, "walls": [0, 0, 1, 1, 0.5], "robots": [there, lost, far]}
     assert Positions.from_message(message) == Positions(Floor(1.6, 1.2, ((0, 0, 1, 1),)), {3: Pose(1, 0.5, -1.5)})
 
 

@@ -44,6 +44,12 @@ def test_after_a_second_without_a_message_nothing_is_known() -> None:
     assert Sight().is_blind(0.0)
 
 
+def test_who_is_told_of_no_robot_is_blind() -> None:
+    seen = sight((1.0, (1.0, 1.0)))
+    seen.see(1.1, Positions(FLOOR, {}))
+    assert seen.is_blind(1.1)
+
+
 def test_a_robot_is_where_its_commands_have_brought_it() -> None:
     way, start = OwnWay(), Pose(1.0, 1.0, 0.0)
     way.commanded(1.0, Command(linear_x=1))
