@@ -44,7 +44,7 @@ class Places:
         self._seen_at = moment.at
         for user in state.users:
             pose = moment.poses.get(user.robot) if rules.fence else None
-            sides = beyond(pose, *size) if pose else FREE
+            sides = beyond(pose, *size, user.fence) if pose else FREE
             if user.fence != sides:
                 yield Fenced(user.name, user.robot, sides.ahead, sides.behind)
         if state.game is Game.PLAYING and state.paused_at is None:

@@ -25,6 +25,9 @@ MOST = 100  # moments that are remembered
 
 LINE = 0.02  # before the floor's edge, at which a robot is stopped: it moves on by some mm until it is
 SLANT = math.sin(math.radians(10))  # who drives along the edge, or a little towards it, is not stopped
+# Where a camera sees a robot changes a little with each picture: who is stopped is free only a little farther away.
+FREE_LINE = LINE + 0.015
+FREE_SLANT = math.sin(math.radians(5))
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,14 +89,22 @@ def could_meet(shooter: Pose, victim: Pose, walls: Iterable[Wall], reach: float)
     return any(not any(_crosses((x, y), target, wall) for wall in walls) for target in targets)
 
 
-def beyond(pose: Pose, width: float, height: float) -> Sides:
-    """Where the robot would leave a floor of that size."""
+def beyond(pose: Pose, width: float, height: float, stopped: Sides = FREE) -> Sides:
+    """Where the robot would leave a floor of that size; `stopped`: where it was not let on until now."""
+    return Sides(
+        _leaves(pose, width, height, 1, stopped.ahead),
+        _leaves(pose, width, height, -1, stopped.behind),
+    )
+
+
+def _leaves(pose: Pose, width: float, height: float, way: int, is_stopped: bool) -> bool:
+    """Forwards (1) or backwards (-1)."""
     x, y, heading = pose
-    along, up = math.cos(heading), math.sin(heading)
-    # towards each edge: how far the robot's rim is from it, and how much of its way forward leads there
+    line, slant = (FREE_LINE, FREE_SLANT) if is_stopped else (LINE, SLANT)
+    along, up = way * math.cos(heading), way * math.sin(heading)
+    # towards each edge: how far the robot's rim is from it, and how much of its way leads there
     edges = ((x, -along), (width - x, along), (y, -up), (height - y, up))
-    near = [towards for distance, towards in edges if distance - ROBOT_RADIUS < LINE]
-    return Sides(any(towards > SLANT for towards in near), any(towards < -SLANT for towards in near))
+    return any(distance - ROBOT_RADIUS < line and towards > slant for distance, towards in edges)
 
 
 def _crosses(start: Point, end: Point, wall: Wall) -> bool:

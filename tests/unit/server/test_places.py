@@ -143,6 +143,15 @@ def test_who_comes_to_the_edge_is_stopped_and_whoever_turns_is_free(fenced):
     ]
 
 
+def test_a_place_that_is_seen_a_little_elsewhere_each_time_is_one_event(fenced):
+    for millimetres in (0, 7, -3, 4, -1, 6, -2):
+        see(fenced, (3.908 - millimetres / 1000, 1, EAST + millimetres / 100), (2, 1, EAST))
+    assert fenced.player("ada").fence == Sides(ahead=True)
+    assert len([one for one in fenced.referee.take_journal() if "edge" in str(one.event)]) == 1
+    see(fenced, (3.88, 1, EAST), (2, 1, EAST))
+    assert fenced.player("ada").fence == Sides()
+
+
 def test_without_the_rule_nobody_is_stopped(match):
     match.start("ada", "bob")
     see(match, (3.93, 1, EAST), (2, 1, EAST))
