@@ -18,6 +18,7 @@ from server.overhead.view import Size
 
 RETRY = 1.0  # s from one attempt to connect to the next
 MOST_PIXELS = 4_000_000  # of a picture; twice as many take a second to look through
+LEAST_SIDE = 64  # pixels; libapriltag ends the program at some pictures of a few rows or columns
 FINE = 900  # pixels of a picture's width; in a larger one tags are large enough to skip every second row
 
 
@@ -78,6 +79,8 @@ class Looker:
                 width, height = picture.size
                 if width * height > MOST_PIXELS:
                     raise PictureError(f"its pictures of {width} x {height} are too large: 1280 x 720 is enough")
+                if min(width, height) < LEAST_SIDE:
+                    raise PictureError(f"its pictures of {width} x {height} are too small: 1280 x 720 is right")
                 picture.draft("L", picture.size)  # its colours need not be computed
                 grey = picture.convert("L").tobytes()
         except (OSError, SyntaxError, ValueError, Image.DecompressionBombError) as error:

@@ -37,7 +37,7 @@ class FloorSight:
     def see(self, tags: Mapping[int, Floats], size: Size, now: float) -> None:
         """The floor tags of a picture that was taken at `now` in s."""
         if self.view and self.view.size != size:
-            self.view = None
+            self._forget()
             self.measurements.append(
                 f"the camera's pictures are {size[0]} x {size[1]} now: the floor is measured again"
             )
@@ -47,13 +47,17 @@ class FloorSight:
         if self.view is None or is_due:
             self._measure(tags, size, now)
 
+    def _forget(self) -> None:
+        """It is measured at once."""
+        self.view, self._off_since, self._tried = None, None, float("-inf")
+
     def _compare(self, view: View, tags: Mapping[int, Floats], now: float) -> None:
         far = self._far(view, tags)
         off = {number: miss for number, miss in far.items() if not miss <= OFF}
         if 2 * len(off) > len(far):
             self._off_since = now if self._off_since is None else self._off_since
             if now - self._off_since >= MOVED:
-                self.view, self._off_since = None, None
+                self._forget()
                 self.measurements.append("the camera has been moved: the floor is measured again")
             return
         self._off_since = None

@@ -37,9 +37,11 @@ def test_a_picture_of_nothing_has_no_tags(looker: Looker) -> None:
     assert looker.tags(jpeg_of(noise)) == ([], (640, 480))
 
 
-def test_what_is_no_picture_or_too_large_a_one_says_so(looker: Looker) -> None:
+def test_what_is_no_picture_or_one_of_a_wrong_size_says_so(looker: Looker) -> None:
     jpeg = jpeg_of(grey_picture([]))
     with pytest.raises(PictureError, match="broken pictures"):
         looker.tags(jpeg[:200] + jpeg[-2:])
     with pytest.raises(PictureError, match="of 4000 x 2000 are too large"):
         looker.tags(jpeg_of(np.zeros((2000, 4000), np.uint8)))
+    with pytest.raises(PictureError, match="of 100 x 1 are too small"):
+        looker.tags(jpeg_of(np.zeros((1, 100), np.uint8)))
