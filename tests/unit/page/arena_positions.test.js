@@ -16,7 +16,7 @@ test("a message has the floor with its walls, and the robots by their IDs", () =
 });
 
 test("without a floor there is nothing, what is no place or no wall is left out, and a robot is at one place", () => {
-  for (const values of [{ width: 0 }, { height: -1 }, { width: null }]) assert.equal(readPositions(positions(values)), null);
+  for (const values of [{ width: 0 }, { height: -1 }, { width: null }, { width: 1e9 }]) assert.equal(readPositions(positions(values)), null);
   const robots = [seen(1, { x: null }), seen(1), seen(1, { x: 9 }), seen(2, { heading: null })];
   assert.deepEqual(readPositions(positions({ robots })).robots.map(({ id, x }) => [id, x]), [[1, 0.5]]);
   assert.deepEqual(readPositions(positions({ walls: [0, 0, 1, 1, 5, 5, null, 5, 7] })).floor.walls, [[0, 0, 1, 1]]);

@@ -2,6 +2,7 @@
 
 import { DIMENSIONS } from "./dimensions.js";
 
+const MOST_SIDE = 100; // m, as for bots
 const MOST_ROBOTS = 128; // as many IDs as there are
 const MOST_WALLS = 1000;
 
@@ -15,7 +16,7 @@ const MOST_WALLS = 1000;
  * @returns {{floor: Floor, robots: Pose[]}|null}
  */
 export function readPositions({ width, height, walls, robots }) {
-  if (!(width > 0 && height > 0)) return null;
+  if (![width, height].every((side) => side > 0 && side <= MOST_SIDE)) return null;
   const poses = new Map();
   for (const { robot, x, y, heading } of robots.slice(0, MOST_ROBOTS)) {
     const isPlace = [x, y, heading].every(Number.isFinite); // rosbridge sends null for what is no number
