@@ -1,4 +1,4 @@
-"""Colours: those of the arena's page (sim/static), as red, green, blue from 0 to 255."""
+"""Colours: those of the pages (server/static/js/arena), as red, green, blue from 0 to 255."""
 
 from typing import NamedTuple
 
