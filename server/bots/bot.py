@@ -41,6 +41,7 @@ class Bot:
         self._told = ""
         self._was_blind = False
         self._floor: Floor | None = None
+        self._paths: Paths | None = None  # on it
         self._mind: Mind | None = None
         self._way = OwnWay()
         self._hit_at: dict[int, float] = {}  # by robot
@@ -126,6 +127,7 @@ class Bot:
         next_ready = 0.0
         loop = asyncio.get_running_loop()
         while True:
+            await self._learn_floor()
             now, status = loop.time(), self._feed.status
             sees = self._sees(now)
             me = status.player(self._name) if status else None
@@ -143,6 +145,12 @@ class Bot:
                     next_ready = now + READY_PAUSE
                     await self._set_ready(wanted)
             await asyncio.sleep(TICK)
+
+    async def _learn_floor(self) -> None:
+        floor = self._feed.sight.floor
+        if floor is not None and floor is not self._floor:
+            self._paths = await self._feed.paths_on(floor)
+            self._floor, self._mind = floor, None
 
     async def _set_ready(self, ready: bool) -> None:
         try:
@@ -166,12 +174,10 @@ class Bot:
         """What to do now; nothing while the robot cannot be seen."""
         sight = self._feed.sight
         seen = sight.seen(self._robot, now)
-        if seen is None or sight.floor is None:
+        if seen is None or self._paths is None:
             return NEUTRAL
-        if self._mind is None or sight.floor is not self._floor:
-            self._floor = sight.floor
-            paths = Paths(self._floor.width, self._floor.height, self._floor.walls)
-            self._mind = Mind(paths, random.Random(), SKILLS[self.level])
+        if self._mind is None:
+            self._mind = Mind(self._paths, random.Random(), SKILLS[self.level])
         others = {robot: point for robot, point in sight.points(now).items() if robot != self._robot}
         opponents = {player.robot for player in status.players if player.ready and player.life > 0} - {self._robot}
         pose: Pose = self._way.since(*seen, now)

@@ -9,8 +9,9 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 
 from laser_bot_battle.names import GAME_STATUS, POSITIONS, command_topic
-from server.bots.game import Positions, Status
+from server.bots.game import Floor, Positions, Status
 from server.bots.mind import Command
+from server.bots.paths import Paths
 from server.bots.sight import Sight
 
 RETRY = 1.0  # s between attempts to connect
@@ -43,6 +44,15 @@ class Feed:
         """None while rosbridge is away"""
         self.sight = Sight()
         self._unclear = ""
+        self._planning = asyncio.Lock()
+        self._planned: tuple[Floor, Paths] | None = None
+
+    async def paths_on(self, floor: Floor) -> Paths:
+        """Planned once for all bots, and beside the loop that drives them: a large floor takes seconds."""
+        async with self._planning:
+            if self._planned is None or self._planned[0] != floor:
+                self._planned = floor, await asyncio.to_thread(Paths, floor.width, floor.height, floor.walls)
+            return self._planned[1]
 
     async def follow(self) -> NoReturn:
         """For ever, also when rosbridge is restarted."""
