@@ -40,5 +40,6 @@ def _name(line: str) -> str:
         kind = re.search(r"--utility-sub-type=\w+\.mojom\.(\w+)", line) or re.search(r"--type=([\w-]+)", line)
         return BROWSER + (kind[1] if kind else "main")
     module = re.search(r" -m ([\w.]+)", line)
-    script = next((word for word in line.split() if not word.startswith("-") and "python" not in word), "")
-    return module[1] if module else script.rsplit("/", maxsplit=1)[-1]
+    files = [word.rsplit("/", maxsplit=1)[-1] for word in line.split() if not word.startswith("-")]
+    script = next((file for file in files if not file.startswith("python")), "")
+    return module[1] if module else script

@@ -93,7 +93,7 @@ def test_a_player_lays_the_real_floor_under_the_robots_until_its_camera_is_away(
     tracker.stop()
     expect(note).to_have_text("No picture from above")
     expect(note).to_be_visible()
-    assert not is_real(page)
+    until(lambda: not is_real(page), 10, "the drawn floor")
     look.all(page, "away")
     tracker.start()
     expect(note).to_be_hidden()

@@ -160,6 +160,7 @@ def test_without_a_place_at_rosbridge_the_state_comes_by_http_and_keeps_nobody_s
 def test_it_fits_every_screen(viewport: tuple[int, int], screen: Page, battle: Demo, screenshots: Path) -> None:
     width, height = viewport
     screen.set_viewport_size({"width": width, "height": height})
+    expect(screen.locator("#nobody")).to_be_visible()  # who was there before the page is no news
     with Player(battle, "Ann"), Player(battle, "Bob"):
         expect(screen.locator("#feed")).to_contain_text("Bob")
         size = screen.evaluate("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]")
@@ -174,7 +175,7 @@ def test_the_keyboard_leads_to_the_game_and_to_the_language(screen: Page, battle
         screen.keyboard.press("Tab")
         reached.add(screen.evaluate("document.activeElement.getAttribute('href') ?? document.activeElement.className"))
     assert {"/", "square"} <= reached
-    screen.locator(".square").focus()
+    screen.locator(".watch-top .square").focus()
     screen.keyboard.press("Enter")
     screen.locator("#language").select_option("de")
     expect(screen.locator("#join-title")).to_have_text("Spiel mit!")

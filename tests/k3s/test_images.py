@@ -190,6 +190,6 @@ def test_bad_input_gets_one_line(tmp_path: Path) -> None:
 
 
 def test_the_readmes_commands_are_the_programs() -> None:
-    assert "k3s/images.py name laserbot.tar >" in README
-    assert "k3s/images.py name laserbot.tar 192.168.1.20:5000 >" in README
-    assert "k3s/images.py check laserbot.tar" in README
+    assert "k3s/images.py name ../laser_bot_battle/laserbot.tar >" in README
+    assert "k3s/images.py name ../laser_bot_battle/laserbot.tar 192.168.1.20:5000 >" in README
+    assert "k3s/images.py check ../laser_bot_battle/laserbot.tar" in README

@@ -123,6 +123,18 @@ test("an old picture is never shown, nor does one stay until it is old", () => {
   assert.deepEqual([shown, picture.state], [[12, null, 13], "live"]);
 });
 
+test("a picture like the one before is newer, and one that nobody has seen is asked for again", () => {
+  look();
+  assert.equal(camera.onPicture(null, now), false, "the one before came before somebody looked");
+  assert.equal(come(11), true);
+  pass(0.4);
+  assert.equal(camera.onPicture(null, now), true);
+  pass(0.4);
+  assert.deepEqual([shown, picture.state], [[11], "live"]);
+  picture.frame = { ...FRAME, right: 2 };
+  assert.equal(camera.onPicture(null, now), false, "it was laid for another frame");
+});
+
 test("a camera that is away is told at once, and one of which nothing is heard after 3 s", () => {
   look();
   come(11);

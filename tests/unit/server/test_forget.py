@@ -88,6 +88,7 @@ def happened(who: str, word: str) -> list[Event]:
         events.PresetRemoved(f"of {who}", who),
         events.ServiceChanged(1, False, who),
         events.BotChosen(1, "easy", who),
+        events.FloorChanged(who),
         events.NameBanned(who, who),
         events.NameUnbanned(who, who),
         events.WordsChanged((word, "Zoë"), who),

@@ -50,8 +50,8 @@ export class Camera {
    * @param {object} wiring
    * @param {string} wiring.url of the relay
    * @param {(state: CameraState) => void} [wiring.onState] what became of the wish
-   * @param {(bitmap: ImageBitmap|null, takenAt: number) => void} [wiring.onPicture] draws at once; null: it looks like the one
-   *   before. `takenAt` is when it was taken, in s of performance.now() / 1000
+   * @param {(bitmap: ImageBitmap|null, takenAt: number) => boolean|void} [wiring.onPicture] draws at once; null: it looks like
+   *   the one before, unless that was not shown, which false says. `takenAt`: when it was taken, s of performance.now() / 1000
    * @param {(figures: object) => void} [wiring.onFigures] what operators get for `askFigures`
    * @param {() => Promise<{user?: string, ticket: string}|null>} [wiring.getTicket] says whose page this is: the cookie
    *   does not always come along with a WebSocket
@@ -173,8 +173,8 @@ export class Camera {
     const bitmap = isSame ? null : await this.#world.decode(jpeg).catch(() => null); // a broken picture is skipped
     if (socket !== this.#socket) return;
     if ((bitmap || isSame) && this.#allowed && robot === this.#said) {
-      this.#shown = jpeg;
-      this.#onPicture(bitmap, takenAt);
+      const isShown = this.#onPicture(bitmap, takenAt) !== false;
+      this.#shown = isShown ? jpeg : null;
     }
     bitmap?.close();
     this.#seen(socket);

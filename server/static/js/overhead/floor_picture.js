@@ -110,15 +110,21 @@ export class FloorPicture {
     if (!this.#isLive) this.#away();
   }
 
+  /** @returns {boolean} whether it is shown; `bitmap` null: it looks like the one before */
   #take(bitmap, takenAt) {
     const sight = this.#sight;
-    if (!this.#isLive || !sight || !this.#frame) return;
-    if (bitmap.width !== sight.width || bitmap.height !== sight.height) return; // the tracker has not measured it yet
-    if (this.#world.now() - takenAt >= STALE) return;
-    this.#flat ??= flatten(sight, this.#frame, this.#atTags ? sight.tagHeight : 0);
+    if (!this.#isLive || !sight || !this.#frame) return false;
+    if (this.#world.now() - takenAt >= STALE) return false;
+    if (bitmap === null) {
+      if (this.#flat === null || this.#takenAt === null) return false;
+    } else {
+      if (bitmap.width !== sight.width || bitmap.height !== sight.height) return false; // the tracker has not measured it yet
+      this.#flat ??= flatten(sight, this.#frame, this.#atTags ? sight.tagHeight : 0);
+      this.#onPicture(this.#lay(bitmap));
+    }
     this.#takenAt = takenAt;
-    this.#onPicture(this.#lay(bitmap));
     this.#become("live");
+    return true;
   }
 
   #lay(bitmap) {
