@@ -22,7 +22,7 @@ from websockets.sync.client import connect
 from server.front.configuration import FILES_AT_ONCE, RATE
 from tests.browser.conftest import FLAGS
 from tests.browser.people import Person
-from tests.support.demo import Demo
+from tests.support.demo import TOKEN, Demo
 from tests.support.player import Player
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -165,8 +165,14 @@ def test_the_eyes_are_not_to_be_had_past_the_relay(front: Front) -> None:
 
 
 def test_the_ports_stay_for_old_pages(battle: Demo, front: Front) -> None:
-    assert 'name="front"' not in requests.get(f"{battle.web}/home", timeout=5).text
-    assert 'name="front"' in requests.get(f"{front.web}/home", timeout=5).text
+    for path in ("home", "watch", "operator"):
+        for web, is_front in ((battle.web, False), (front.web, True)):
+            visitor = requests.Session()
+            if path == "operator":
+                visitor.post(f"{web}/operator/login", data={"token": TOKEN, "name": "Otto"}, timeout=5)
+            page = visitor.get(f"{web}/{path}", timeout=5).text
+            assert 'name="relay-port"' in page
+            assert ('name="front"' in page) is is_front, path
 
 
 def test_files_are_compressed_and_kept(front: Front) -> None:

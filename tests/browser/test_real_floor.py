@@ -12,17 +12,17 @@ from laser_bot_battle.floor import read_floor
 from sim.arena.overhead.conditions import Conditions
 from tests.browser.axe import Looks
 from tests.browser.people import Person
-from tests.support.demo import Demo
+from tests.support.demo import TOKEN, Demo
 from tests.support.fake_camera import FakeCamera, part_of
 from tests.support.polling import until
 from tests.support.programs import Program
 
 FLOOR = "duel"  # the demo's
 # How red the picture is at a place of the floor, in m: 0 to 255. The drawn floor is nearly black, the real one grey.
-RED = """([x, y, width]) => {
-  const canvas = document.querySelector("#arena canvas");
-  const scale = canvas.width / (width + 0.1);
-  return canvas.getContext("2d").getImageData((x + 0.05) * scale, canvas.height - (y + 0.05) * scale, 1, 1).data[0];
+RED = """([drawing, margin, x, y, width]) => {
+  const canvas = document.querySelector(`${drawing} canvas`);
+  const scale = canvas.width / (width + 2 * margin);
+  return canvas.getContext("2d").getImageData((x + margin) * scale, canvas.height - (y + margin) * scale, 1, 1).data[0];
 }"""
 
 
@@ -60,9 +60,10 @@ def tracker(battle: Demo, above: FakeCamera) -> Iterator[FakeCamera]:
             program.stop()
 
 
-def is_real(page: Page) -> bool:
+def is_real(page: Page, drawing: str = "#arena", margin: float = 0.05) -> bool:
+    """Whether the camera's picture is in the drawing, which has a margin of so many m around the floor."""
     floor = read_floor(FLOOR)
-    seen: int = page.evaluate(RED, [floor.width * 0.53, floor.height * 0.22, floor.width])
+    seen: int = page.evaluate(RED, [drawing, margin, floor.width * 0.53, floor.height * 0.22, floor.width])
     return seen > 50
 
 
@@ -128,3 +129,19 @@ def test_without_a_camera_above_the_floor_there_is_no_switch(person: Callable[..
     bea.log_in()
     expect(bea.page.locator("#arena canvas")).to_be_visible()
     expect(bea.page.locator("#real-floor")).to_be_hidden()
+
+
+def test_the_editor_of_the_floor_lies_over_it(
+    chromium: Browser, battle: Demo, tracker: FakeCamera, look: Looks, screenshots: Path
+) -> None:
+    page = chromium.new_page(viewport={"width": 1280, "height": 900})
+    page.request.post(f"{battle.web}/operator/login", form={"token": TOKEN, "name": "Otto"})
+    page.goto(f"{battle.web}/operator")
+    page.get_by_text("Change the floor").click()
+    page.get_by_role("button", name="The real floor").click()
+    until(lambda: is_real(page, "#floor-picture", 0.25), 10, "the real floor under the drawing")
+    page.locator("#floor-editor").screenshot(path=screenshots / "real-floor-editor.png")
+    look.all(page, "the floor's editor, over the real floor")
+    page.get_by_role("button", name="The real floor").click()
+    until(lambda: not is_real(page, "#floor-picture", 0.25) and tracker.streams == 1, 10, "the drawn floor")
+    page.close()

@@ -51,7 +51,8 @@ export class Camera {
    * @param {string} wiring.url of the relay
    * @param {(state: CameraState) => void} [wiring.onState] what became of the wish
    * @param {(bitmap: ImageBitmap|null, takenAt: number) => boolean|void} [wiring.onPicture] draws at once; null: it looks like
-   *   the one before, unless that was not shown, which false says. `takenAt`: when it was taken, s of performance.now() / 1000
+   *   the one before. `takenAt` is when it was taken, in s of performance.now() / 1000. Returns false if the picture was not
+   *   shown: then the next one is decoded even if it looks the same
    * @param {(figures: object) => void} [wiring.onFigures] what operators get for `askFigures`
    * @param {() => Promise<{user?: string, ticket: string}|null>} [wiring.getTicket] says whose page this is: the cookie
    *   does not always come along with a WebSocket

@@ -5,8 +5,8 @@ const PATHS = { rosbridge: "rosbridge", relay: "camera" };
 
 const content = (name) => document.querySelector(`meta[name=${name}]`)?.content;
 
-/** Of a WebSocket. @param {"rosbridge"|"relay"} program @param {number|string} [port] if the page does not tell it */
-export function socketAddress(program, port = content(`${program}-port`)) {
+/** Of a WebSocket. @param {"rosbridge"|"relay"} program */
+export function socketAddress(program) {
   const scheme = location.protocol === "https:" ? "wss:" : "ws:";
-  return content("front") ? `${scheme}//${location.host}/${PATHS[program]}` : `${scheme}//${location.hostname}:${port}/`;
+  return content("front") ? `${scheme}//${location.host}/${PATHS[program]}` : `${scheme}//${location.hostname}:${content(`${program}-port`)}/`;
 }

@@ -61,12 +61,12 @@ export class TestDrive {
   /** Rejects when the server gives no ticket. */
   async start(robot) {
     const opener = document.activeElement;
-    const { port } = await api.drive();
+    await api.drive();
     this.stop(); // the drive of another robot
     this.#opener = opener;
     this.#robot = robot;
     this.#connection = new Connection({
-      url: socketAddress("rosbridge", port),
+      url: socketAddress("rosbridge"),
       onStatus: () => {},
       onChange: () => this.#showConnection(),
       onRefusal: (reason) => this.#refuse(reason),

@@ -1,12 +1,16 @@
 // The desk's editor of the floor: a drawing and a list of the same things. The server says what is wrong, and keeps it.
 
 import { element, setText } from "../common/dom.js";
+import { socketAddress } from "../common/addresses.js";
 import * as dialogs from "../common/dialogs.js";
+import { Preferences } from "../common/preferences_store.js";
 import { t } from "../common/words.js";
 import * as api from "./api.js";
-import { FloorDrawing } from "./floor_drawing.js";
+import { FloorDrawing, MARGIN } from "./floor_drawing.js";
 import { FloorList } from "./floor_list.js";
 import * as plans from "./floor_plan.js";
+import { RealFloor } from "../overhead/real_floor.js";
+import { StatusFeed } from "../battle/status_feed.js";
 
 const CHECK = 250; // ms without a change until the server is asked
 
@@ -25,6 +29,8 @@ export class FloorEditor {
   #timer = 0;
   #drawing;
   #list;
+  #realFloor;
+  #size = ""; // that the picture of the real floor has
 
   /**
    * @param {(order: () => Promise<void>) => Promise<void>} act does what somebody has asked for
@@ -40,10 +46,17 @@ export class FloorEditor {
     };
     this.#drawing = new FloorDrawing(byId("floor-picture"), on);
     this.#list = new FloorList(byId("floor-things"), on);
+    this.#realFloor = new RealFloor({
+      box: byId("floor-picture"),
+      level: "floor",
+      preferences: new Preferences(),
+      getTicket: api.camera,
+      onPicture: (picture) => (this.#drawing.realFloor = picture),
+    });
   }
 
   start() {
-    byId("floor-details").addEventListener("toggle", ({ target }) => target.open && !this.#known && this.#act(() => this.#load()));
+    byId("floor-details").addEventListener("toggle", ({ target }) => target.open && !this.#known && this.#open());
     byId("floor-add").addEventListener("click", ({ target }) => this.#add(target.closest("button")?.dataset.add));
     byId("floor-undo").addEventListener("click", () => this.#undo());
     byId("floor-load").addEventListener("click", () => this.#loadAgain());
@@ -67,6 +80,13 @@ export class FloorEditor {
   show({ state }) {
     this.#battles = state !== "stopped";
     this.#showState();
+  }
+
+  async #open() {
+    await this.#act(() => this.#load());
+    if (!this.#known) return;
+    const nothing = () => {}; // the desk has the battle's state from elsewhere
+    new StatusFeed({ url: socketAddress("rosbridge"), onStatus: nothing, onState: nothing, topics: this.#realFloor.topics }).start();
   }
 
   async #load() {
@@ -153,6 +173,7 @@ export class FloorEditor {
       const input = byId(`floor-${side}`);
       if (input.valueAsNumber !== plan[side] && plan[side] !== null) input.value = plan[side];
     }
+    this.#showRealFloor(plan);
     this.#drawing.show(plan, this.#selected, new Set(this.#problems.map(({ about }) => about)), this.#tags);
     this.#list.show(plan, this.#selected, this.#problems);
     byId("floor-undo").setAttribute("aria-disabled", !this.#history.canUndo);
@@ -161,6 +182,14 @@ export class FloorEditor {
     byId("floor-problems").hidden = others.length === 0;
     byId("floor-problems").replaceChildren(...others.map(({ about, error }) => element("li", {}, about ? `${about}: ${error}` : error)));
     this.#showState();
+  }
+
+  #showRealFloor(plan) {
+    const { width, height } = plan;
+    const size = `${width} x ${height}`;
+    if (size === this.#size || !plans.hasSize(plan)) return;
+    this.#size = size;
+    this.#realFloor.show({ left: -MARGIN, bottom: -MARGIN, right: width + MARGIN, top: height + MARGIN });
   }
 
   /** Why it cannot be saved now; "" if it can. */

@@ -8,7 +8,7 @@ import * as plans from "./floor_plan.js";
 import { nameOf } from "./floor_words.js";
 
 const SVG = "http://www.w3.org/2000/svg";
-const MARGIN = 0.25; // m around the floor, where its tags lie
+export const MARGIN = 0.25; // m around the floor, where its tags lie
 const CM = 100; // units of the drawing in a metre
 const TAG = 0.1; // m
 const [HOLD, REACH, GRIP] = [22, 14, 7]; // px: how near a finger must come to a handle and to a thing, and what is seen of a handle
@@ -24,6 +24,7 @@ export class FloorDrawing {
   #selected = null;
   #wrong = new Set();
   #tags = [];
+  #realFloor = null;
   #scale = 1; // px for a metre
   #drag = null;
   #drags = 0;
@@ -55,9 +56,15 @@ export class FloorDrawing {
     this.#draw(isNew);
   }
 
+  /** What lies under the things instead of the drawn ground, with MARGIN around the floor. @param {OffscreenCanvas|null} picture */
+  set realFloor(picture) {
+    this.#realFloor = picture;
+    if (this.#plan) this.#draw(true);
+  }
+
   #draw(paints) {
     const plan = this.#plan;
-    if (![plan.width, plan.height].every((side) => side >= 0.4 && side <= 20)) return; // until the field is right again
+    if (!plans.hasSize(plan)) return; // until the field is right again
     this.#svg.setAttribute("viewBox", `0 0 ${(plan.width + 2 * MARGIN) * CM} ${(plan.height + 2 * MARGIN) * CM}`);
     this.#svg.parentElement.style.aspectRatio = `${plan.width + 2 * MARGIN} / ${plan.height + 2 * MARGIN}`;
     if (paints) this.#paint();
@@ -76,7 +83,7 @@ export class FloorDrawing {
     this.#find(plans.keyOf(thing))?.focus();
   }
 
-  /** What lies under the things. A picture of the real floor would be painted here in place of the ground. */
+  /** What lies under the things. */
   #paint() {
     const { width, height } = this.#plan;
     const box = this.#canvas.parentElement;
@@ -89,10 +96,11 @@ export class FloorDrawing {
     const context = this.#canvas.getContext("2d", { alpha: false });
     context.fillStyle = "#05070f";
     context.fillRect(0, 0, this.#canvas.width, this.#canvas.height);
+    if (this.#realFloor) context.drawImage(this.#realFloor, 0, 0, this.#canvas.width, this.#canvas.height);
     context.setTransform(scale, 0, 0, -scale, MARGIN * scale, (height + MARGIN) * scale);
     const outer = [[0, 0, width, 0], [width, 0, width, height], [width, height, 0, height], [0, height, 0, 0]];
     const placed = (list) => this.#plan[list].filter((_, index) => plans.isPlaced(this.#plan, { list, index }));
-    paintGround(context, { width, height });
+    if (!this.#realFloor) paintGround(context, { width, height });
     paintWalls(context, { width, height, walls: [...outer, ...placed("walls")] });
     drawPlaces(context, placed("zones").filter(({ radius }) => radius > 0).map((zone) => ({ ...zone, kind: zone.kind === "hill" ? HILL : REPAIR })));
   }

@@ -25,6 +25,9 @@ export function isPlaced(plan, thing) {
   return (thing.list === "zones" ? ({ x, y, radius }) => [x, y, radius] : (each) => each)(at(plan, thing)).every(Number.isFinite);
 }
 
+/** Whether it has a size that can be drawn: a field may be empty. */
+export const hasSize = ({ width, height }) => [width, height].every((side) => side >= 0.4 && side <= 20);
+
 /** Where a robot looks that starts there: at the middle of the floor, unless the plan says otherwise. */
 export const headingOf = ({ width, height }, [x, y, heading]) => heading ?? Math.atan2(height / 2 - y, width / 2 - x);
 

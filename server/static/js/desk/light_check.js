@@ -38,10 +38,10 @@ export class LightCheck {
   }
 
   async #start() {
-    const { ticket, port } = await api.drive();
+    const { ticket } = await api.drive();
     if (this.#socket) return;
     const robots = this.#robots;
-    const socket = new WebSocket(socketAddress("rosbridge", port));
+    const socket = new WebSocket(socketAddress("rosbridge"));
     [this.#socket, this.#plan] = [socket, null];
     const say = (operation) => socket.send(JSON.stringify(operation));
     socket.addEventListener("open", () => {

@@ -16,12 +16,13 @@ export class RealFloor {
    * @param {object} wiring
    * @param {HTMLElement} wiring.box of the arena: nothing is fetched while nobody sees it
    * @param {import("../common/preferences_store.js").Preferences} wiring.preferences
-   * @param {() => Promise<{user: string, ticket: string}|null>} [wiring.getTicket] for the player of this page
+   * @param {"tags"|"floor"} [wiring.level] what lies at its place: robots by their tags, or the floor itself
+   * @param {() => Promise<{user?: string, ticket: string}|null>} [wiring.getTicket] says whose page this is
    * @param {(picture: OffscreenCanvas|null) => void} wiring.onPicture draws it; null: the drawn floor again
    */
-  constructor({ box, preferences, getTicket, onPicture }) {
+  constructor({ box, preferences, level, getTicket, onPicture }) {
     this.#preferences = preferences;
-    this.#picture = new FloorPicture({ url: socketAddress("relay"), getTicket, onPicture, onState: () => this.#show() });
+    this.#picture = new FloorPicture({ url: socketAddress("relay"), level, getTicket, onPicture, onState: () => this.#show() });
     byId("real-floor").addEventListener("click", () => preferences.toggle("realFloor"));
     preferences.watch(() => this.#show());
     this.#watcher.observe(box);
