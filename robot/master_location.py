@@ -143,7 +143,7 @@ class Lookout:
 
 
 class SearchThread(threading.Thread):
-    """A search in an event loop of its own, in which no signal raises KeyboardInterrupt: that leaves tasks half done.
+    """A search in a thread with an event loop of its own: a KeyboardInterrupt in the loop would leave tasks half done.
 
     A context manager that starts and ends it.
     """

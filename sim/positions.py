@@ -30,7 +30,7 @@ from tcpros.publisher import Publisher
 from tcpros.specs import TypeSpec
 
 VARIABLES = (ROS_MASTER_URI, ARENA, LOG_LEVEL, ALIVE_FILE)
-SPEC = TypeSpec(Positions._type, Positions._md5sum, Positions._full_text)
+SPEC = TypeSpec.of(Positions)
 PERIOD = 1 / 15  # s between two messages: pages draw what moves from them
 BLIND_AFTER = 1.0  # s without a state of the arena
 RETRY = 1.0  # s between attempts to connect to it

@@ -7,25 +7,14 @@ a bot adds to where its own robot was seen what it has commanded since, and to w
 from collections import deque
 from collections.abc import Mapping
 
-from laser_bot_battle.geometry import METRES_PER_HALF_STEP, Point, Pose, roll
+from laser_bot_battle.geometry import Point, Pose, roll, wheel_speeds
 from server.bots.game import Floor, Positions
 from server.bots.mind import NEUTRAL, Command
 
 AGE = 0.05  # s that a message is behind, when it comes: a camera's is more, the arena's less
 OBEYED = 0.03  # s from a command to wheels that obey
-SPEED = 1024 * METRES_PER_HALF_STEP  # m/s of a wheel
-CURVE = 0.7  # of it: the inner wheel's
 MOST = 0.3  # s for which others are taken to drive on as they did
 BLIND_AFTER = 1.0  # s without a message
-
-
-def wheel_speeds(command: Command) -> tuple[float, float]:
-    """m/s forward of the left and the right wheel, as the firmware's movement table has them."""
-    linear, angular = command.linear_x, command.angular_z
-    if linear == 0:
-        return SPEED * angular, -SPEED * angular
-    left = right = SPEED * linear
-    return (left * CURVE if angular < 0 else left), (right * CURVE if angular > 0 else right)
 
 
 class Sight:
@@ -46,7 +35,7 @@ class Sight:
         self._poses, self._at = positions.robots, now
 
     def is_blind(self, now: float) -> bool:
-        """Whether nothing is known of the robots: a camera that sees none goes on telling so."""
+        """Whether nothing is known of the robots: a tracker that sees none keeps publishing."""
         return not self._poses or now - self._at > BLIND_AFTER
 
     def seen(self, robot: int, now: float) -> tuple[float, Pose] | None:
@@ -85,6 +74,6 @@ class OwnWay:
         for (begins, command), end in zip(self._commands, ends, strict=True):
             seconds = min(end, now) - max(begins, seen_at)
             if seconds > 0:
-                left, right = wheel_speeds(command)
+                left, right = wheel_speeds(command.linear_x, command.angular_z)
                 pose = roll(pose, left * seconds, right * seconds)
         return pose

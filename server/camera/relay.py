@@ -5,7 +5,6 @@ import logging
 import time
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
-from typing import Any
 
 import genpy
 from prometheus_client.core import Metric
@@ -67,8 +66,8 @@ class Relay:
             "figures": self._figures,
         }
         self._above = ""  # where the camera above the floor is, if there is one
-        node.subscribe(GAME_STATUS, _spec(GameStatus), self._hear_referee)
-        node.subscribe(OVERHEAD_CAMERA, _spec(String), self._hear_tracker)
+        node.subscribe(GAME_STATUS, TypeSpec.of(GameStatus), self._hear_referee)
+        node.subscribe(OVERHEAD_CAMERA, TypeSpec.of(String), self._hear_tracker)
         self._loop.call_later(TICK, self._tick)
 
     def metrics(self) -> Iterable[Metric]:
@@ -290,8 +289,3 @@ class Relay:
         self._traffic.sent += 1
         self._traffic.sent_bytes += len(message)
         self._connections[viewer].message("picture", message, 1)
-
-
-def _spec(kind: Any) -> TypeSpec:
-    """Of a generated message class."""
-    return TypeSpec(kind._type, kind._md5sum, kind._full_text)

@@ -25,7 +25,7 @@ MOST = 100  # moments that are remembered
 
 LINE = 0.02  # before the floor's edge, at which a robot is stopped: it moves on by some mm until it is
 SLANT = math.sin(math.radians(10))  # who drives along the edge, or a little towards it, is not stopped
-# Where a camera sees a robot changes a little with each picture: who is stopped is free only a little farther away.
+# A camera sees a robot at a slightly different place in each picture, so one that is stopped is let go a little later.
 FREE_LINE = LINE + 0.015
 FREE_SLANT = math.sin(math.radians(5))
 
@@ -90,7 +90,7 @@ def could_meet(shooter: Pose, victim: Pose, walls: Iterable[Wall], reach: float)
 
 
 def beyond(pose: Pose, width: float, height: float, stopped: Sides = FREE) -> Sides:
-    """Where the robot would leave a floor of that size; `stopped`: where it was not let on until now."""
+    """Where the robot would leave a floor of that size; `stopped`: where it has been stopped until now."""
     return Sides(
         _leaves(pose, width, height, 1, stopped.ahead),
         _leaves(pose, width, height, -1, stopped.behind),

@@ -18,7 +18,7 @@ from server.overhead.view import Size
 
 RETRY = 1.0  # s from one attempt to connect to the next
 MOST_PIXELS = 4_000_000  # of a picture; twice as many take a second to look through
-LEAST_SIDE = 64  # pixels; libapriltag ends the program at some pictures of a few rows or columns
+LEAST_SIDE = 64  # pixels; libapriltag crashes on some pictures of only a few rows or columns
 FINE = 900  # pixels of a picture's width; in a larger one tags are large enough to skip every second row
 
 

@@ -49,11 +49,6 @@ float64 w
 )
 
 
-def spec_of(kind: Any) -> TypeSpec:
-    """Of a generated message class."""
-    return TypeSpec(kind._type, kind._md5sum, kind._full_text)
-
-
 def packed(message: Any) -> bytes:
     """A generated message, serialized."""
     buffer = io.BytesIO()
@@ -67,7 +62,7 @@ def positions(floor: Floor, robots: Iterable[Seen]) -> bytes:
             width=floor.width,
             height=floor.height,
             walls=[number for wall in floor.walls for number in wall],
-            robots=[RobotPosition(seen.robot, *seen.place) for seen in robots],
+            robots=[RobotPosition(seen.robot, *seen.place.point, seen.place.heading) for seen in robots],
         )
     )
 
@@ -93,7 +88,7 @@ def transforms(robots: Sequence[Seen], now: float, number: int) -> bytes:
     seconds, fraction = divmod(now, 1)
     data = struct.pack("<I", len(robots))
     for seen in robots:
-        x, y, heading = seen.place
+        (x, y), heading = seen.place.point, seen.place.heading
         data += struct.pack("<III", number & 0xFFFFFFFF, int(seconds), int(fraction * 1e9))
         data += _text(FRAME) + _text(f"robot{seen.robot}")
         data += struct.pack("<7d", x, y, 0, 0, 0, math.sin(heading / 2), math.cos(heading / 2))

@@ -16,12 +16,13 @@ from laser_bot_battle.names import OVERHEAD_CAMERA, OVERHEAD_STATUS, OVERHEAD_VI
 from laser_bot_battle.watched import counter, gauge
 from server.camera.budget import Meter
 from server.overhead.eye import Eye, Looker, PictureError
-from server.overhead.messages import TF, packed, positions, sight, spec_of, transforms
+from server.overhead.messages import TF, packed, positions, sight, transforms
 from server.overhead.robots import Seen
 from server.overhead.settings import Settings
 from server.overhead.tracker import Tracker
 from server.overhead.view import View, has_moved
 from tcpros.node import Node
+from tcpros.specs import TypeSpec
 
 _log = logging.getLogger(__name__)
 
@@ -42,13 +43,13 @@ class OverheadProgram:
         self._node, self._eye, self._looker = node, eye, looker
         self._floor, self._tag_height = settings.floor, settings.tag_height
         self._tracker = Tracker(settings.floor, settings.camera_height, settings.tag_height)
-        self._positions = node.advertise(POSITIONS, spec_of(Positions), latest=True)
+        self._positions = node.advertise(POSITIONS, TypeSpec.of(Positions), latest=True)
         self._tf = node.advertise("/tf", TF, latest=True)
-        self._status = node.advertise(OVERHEAD_STATUS, spec_of(OverheadStatus), latch=True)
-        self._sight = node.advertise(OVERHEAD_VIEW, spec_of(OverheadView), latch=True)
+        self._status = node.advertise(OVERHEAD_STATUS, TypeSpec.of(OverheadStatus), latch=True)
+        self._sight = node.advertise(OVERHEAD_VIEW, TypeSpec.of(OverheadView), latch=True)
         self._view: View | None = None  # that was told
         self._sight.publish(sight(None, self._tag_height))
-        node.advertise(OVERHEAD_CAMERA, spec_of(String), latch=True).publish(packed(String(eye.url)))
+        node.advertise(OVERHEAD_CAMERA, TypeSpec.of(String), latch=True).publish(packed(String(eye.url)))
         self._followed: set[int] = set()  # robots whose commands are heard
         self._rate = Meter(self._loop.time())  # of pictures that were looked at
         self._looked = 0
@@ -122,7 +123,7 @@ class OverheadProgram:
             self._tf.publish(transforms(robots, time.time(), self._looked))
         for robot in {seen.robot for seen in robots} - self._followed:
             self._followed.add(robot)
-            self._node.subscribe(command_topic(robot), spec_of(Robot_msg), partial(self._hear, robot))
+            self._node.subscribe(command_topic(robot), TypeSpec.of(Robot_msg), partial(self._hear, robot))
         self._tell_status(robots, now)
 
     def _tell_view(self) -> None:

@@ -8,7 +8,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from server.overhead.motion import FULL_SPEED, Commands, Place
+from laser_bot_battle.geometry import FULL_SPEED, Pose
+from server.overhead.motion import Commands
 
 REPEATS = 3  # pictures in a row that must show a robot where it was not expected
 NEAR = 0.06  # m from where it was expected, when it was just seen there,
@@ -22,16 +23,16 @@ class Seen(NamedTuple):
     """A robot that has a place."""
 
     robot: int  # ID
-    place: Place
+    place: Pose
     covered: bool  # it is not seen, and the place is what its commands make of the last one
 
 
 @dataclass
 class _Robot:
     commands: Commands = field(default_factory=Commands)
-    place: Place | None = None
+    place: Pose | None = None
     seen: float = float("-inf")  # there
-    rumour: Place | None = None  # somewhere else
+    rumour: Pose | None = None  # somewhere else
     rumoured: float = float("-inf")
     repeats: int = 0
 
@@ -47,7 +48,7 @@ class Robots:
         """It is told to move so."""
         self._robot(robot).commands.hear(linear_x, angular_z, now)
 
-    def see(self, found: Mapping[int, Sequence[Place]], taken: float) -> None:
+    def see(self, found: Mapping[int, Sequence[Pose]], taken: float) -> None:
         """Where a picture of that time shows each robot; several places for one are doubtful."""
         self._newest = taken
         for robot, places in found.items():
@@ -78,12 +79,12 @@ class Robots:
     def _robot(self, robot: int) -> _Robot:
         return self._robots.setdefault(robot, _Robot())
 
-    def _at(self, one: _Robot, now: float) -> Place | None:
+    def _at(self, one: _Robot, now: float) -> Pose | None:
         if one.place is None or now - one.seen > COVERED:
             return None
         return one.commands.move(one.place, one.seen, now)
 
-    def _rumour(self, one: _Robot, place: Place, taken: float) -> None:
+    def _rumour(self, one: _Robot, place: Pose, taken: float) -> None:
         """Believed when it repeats: a robot is put down somewhere, a false one appears once."""
         again = one.rumour is not None and _near(place, one.rumour, taken - one.rumoured)
         one.repeats = one.repeats + 1 if again and taken - one.rumoured <= COVERED else 1
@@ -92,5 +93,5 @@ class Robots:
             one.place, one.seen, one.repeats = place, taken, 0
 
 
-def _near(place: Place, expected: Place, seconds: float) -> bool:
-    return math.dist(place[:2], expected[:2]) <= NEAR + FASTER * max(0.0, seconds)
+def _near(place: Pose, expected: Pose, seconds: float) -> bool:
+    return math.dist(place.point, expected.point) <= NEAR + FASTER * max(0.0, seconds)

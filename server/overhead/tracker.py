@@ -8,10 +8,10 @@ from collections.abc import Iterable, Mapping, Sequence
 import numpy as np
 
 from laser_bot_battle.apriltag import Detection
+from laser_bot_battle.geometry import Pose
 from laser_bot_battle.names import ROBOT_IDS
 from laser_bot_battle.tags import ROBOT_TAG_SIZE, Rectangle, floor_tags
 from server.overhead.floor_sight import FloorSight
-from server.overhead.motion import Place
 from server.overhead.robots import Robots, Seen
 from server.overhead.troubles import Troubles
 from server.overhead.view import Floats, Size, View
@@ -80,7 +80,7 @@ class Tracker:
         news, self._sight.measurements = self._sight.measurements, []
         return news
 
-    def _robot_places(self, view: View, robots: Mapping[int, Sequence[Floats]], taken: float) -> dict[int, list[Place]]:
+    def _robot_places(self, view: View, robots: Mapping[int, Sequence[Floats]], taken: float) -> dict[int, list[Pose]]:
         """Of the tags that can be robots'."""
         numbers = [number for number, several in robots.items() for _ in several]
         if not numbers:
@@ -91,7 +91,7 @@ class Tracker:
         middles = corners.mean(axis=1)
         up = corners[:, 2] + corners[:, 3] - corners[:, 0] - corners[:, 1]
         headings = np.arctan2(up[:, 1], up[:, 0])
-        places: dict[int, list[Place]] = {}
+        places: dict[int, list[Pose]] = {}
         for number, edge, middle, heading in zip(numbers, edges, middles, headings, strict=True):
             x, y = middle
             on_floor = -OUTSIDE <= x <= self._floor.width + OUTSIDE and -OUTSIDE <= y <= self._floor.height + OUTSIDE
@@ -105,7 +105,7 @@ class Tracker:
                     taken,
                 )
                 continue
-            places.setdefault(number, []).append(Place(float(x), float(y), float(heading)))
+            places.setdefault(number, []).append(Pose(float(x), float(y), float(heading)))
         for number, several in places.items():
             if len(several) > 1:
                 text = f"robot tag {number} is seen {len(several)} times: only one robot may carry it"

@@ -42,7 +42,7 @@ def main() -> int:
 
 async def _pass_on(program: Program) -> None:
     """The messages stay as they are, so none is unpacked."""
-    spec = TypeSpec(Log._type, Log._md5sum, Log._full_text)
+    spec = TypeSpec.of(Log)
     async with ros_node(program, ROSOUT_NODE) as node:
         everybody = node.advertise(TO, spec)
         node.subscribe(FROM, spec, lambda message, _: everybody.publish(message))

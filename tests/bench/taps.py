@@ -11,8 +11,9 @@ import websockets
 from laser_bot_battle.msg import GameStatus, Hit, Robot_msg
 from laser_bot_battle.names import GAME_STATUS, command_topic, hit_topic
 from tcpros.node import Node
+from tcpros.specs import TypeSpec
 from tests.support.battle import Battle
-from tests.support.light_robots import InLoop, spec
+from tests.support.light_robots import InLoop
 from tests.support.polling import until
 
 LATE = 5.0  # s
@@ -40,9 +41,11 @@ class Taps(InLoop):
     async def _open(self, bridge: str, robot: int) -> None:
         await self._node.start()
         node = self._node
-        node.subscribe(command_topic(robot), spec(Robot_msg), lambda data, _: note(self.commands, tuple(data[:2])))
-        node.subscribe(hit_topic(robot), spec(Hit), lambda data, _: note(self.hits, data))
-        node.subscribe(GAME_STATUS, spec(GameStatus), lambda data, _: note(self.lives, lives_of(data)))
+        node.subscribe(
+            command_topic(robot), TypeSpec.of(Robot_msg), lambda data, _: note(self.commands, tuple(data[:2]))
+        )
+        node.subscribe(hit_topic(robot), TypeSpec.of(Hit), lambda data, _: note(self.hits, data))
+        node.subscribe(GAME_STATUS, TypeSpec.of(GameStatus), lambda data, _: note(self.lives, lives_of(data)))
         self.keep(self._watch(bridge))
 
     async def _watch(self, bridge: str) -> None:

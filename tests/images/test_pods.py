@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import pytest
 import requests
@@ -53,7 +53,7 @@ def battle(manifests: Manifests, tmp_path_factory: pytest.TempPathFactory) -> It
 
 
 def test_every_container_passes_every_probe_and_none_has_ended(battle: ClusterBattle) -> None:
-    assert sorted(battle.pods) == ["arena", "bot", "master", "robot-0", "robot-1"]
+    assert sorted(battle.pods) == ["arena", "bot", "master", "monitoring", "robot-0", "robot-1"]
     for pod in battle.pods.values():
         for container in pod.spec["containers"]:
             for probe in [key for key in container if key.endswith("Probe")]:
@@ -108,28 +108,23 @@ def test_a_secret_gives_the_front_tls_from_its_next_start_on(battle: ClusterBatt
 
 
 def test_prometheus_hears_every_program_and_tells_alertmanager(battle: ClusterBattle) -> None:
-    master = battle.pods["master"]
-
-    def asked(url: str) -> Any:
-        """By a container of the same pod: no other place reaches it."""
-        words = f"from urllib.request import urlopen; print(urlopen('http://127.0.0.1:{url}').read().decode())"
-        return json.loads(master.exec("web", "python3", "-c", words))
+    monitoring = battle.pods["monitoring"]
 
     def heard() -> set[str]:
-        result = asked("9210/api/v1/query?query=up==1")["data"]["result"]
+        result = monitoring.read("http://127.0.0.1:9210/api/v1/query?query=up==1")["data"]["result"]
         return {series["metric"]["program"] for series in result}
 
     until(lambda: heard() == {"web", "rosbridge", "relay"}, 30, "all programs are heard")
-    (alertmanager,) = asked("9210/api/v1/alertmanagers")["data"]["activeAlertmanagers"]
+    (alertmanager,) = monitoring.read("http://127.0.0.1:9210/api/v1/alertmanagers")["data"]["activeAlertmanagers"]
     assert alertmanager["url"].startswith("http://127.0.0.1:9211/")
-    assert asked("9211/api/v2/status")["config"]["original"]
+    assert monitoring.read("http://127.0.0.1:9211/api/v2/status")["config"]["original"]
 
 
 def test_a_prometheus_that_ends_is_started_again_alone(battle: ClusterBattle) -> None:
-    battle.pods["master"].kill("prometheus")
+    battle.pods["monitoring"].kill("prometheus")
     assert requests.post(f"{battle.web}/updateGameStatus", timeout=5).ok
-    assert battle.restart_what_ended() == ["master/prometheus"]
-    until(partial(battle.pods["master"].passes, "prometheus", "livenessProbe"), 30, "it is back")
+    assert battle.restart_what_ended() == ["monitoring/prometheus"]
+    until(partial(battle.pods["monitoring"].passes, "prometheus", "livenessProbe"), 30, "it is back")
 
 
 def test_after_a_crash_of_ros_everything_comes_back_by_restarts_alone(battle: ClusterBattle) -> None:

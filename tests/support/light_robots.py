@@ -35,11 +35,6 @@ async def _empty(_header: object) -> bytes:
     return b""
 
 
-def spec(message: Any) -> TypeSpec:
-    """Of a generated message class."""
-    return TypeSpec(message._type, message._md5sum, message._full_text)
-
-
 class InLoop:
     """Work in an event loop of its own, in a thread: it goes on between the calls."""
 
@@ -95,8 +90,8 @@ class LightRobot:
             robot_id = await self._register()
             node = Node(robot_node(robot_id), self._master_uri)
             await node.start()
-            node.subscribe(command_topic(robot_id), spec(Robot_msg), self._obey)
-            self._hits = node.advertise(response_topic(robot_id), spec(Empty))
+            node.subscribe(command_topic(robot_id), TypeSpec.of(Robot_msg), self._obey)
+            self._hits = node.advertise(response_topic(robot_id), TypeSpec.of(Empty))
             self.id = robot_id
             try:
                 await first_of(self._ping(robot_id), self._watch_master(node))

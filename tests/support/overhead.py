@@ -99,7 +99,7 @@ class Hall:
 
     def miss(self, seen: Seen) -> Miss:
         true = self.robot(seen.robot).pose
-        distance = math.dist(true.point, seen.place[:2])
+        distance = math.dist(true.point, seen.place.point)
         return Miss(distance, abs(math.degrees(wrap(seen.place.heading - true.heading))))
 
 

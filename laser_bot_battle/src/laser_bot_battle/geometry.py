@@ -16,6 +16,8 @@ ROBOT_RADIUS = floor.ROBOT_RADIUS
 EMITTER_OFFSET = 0.06  # IR emitter, ahead of the centre; inside the chassis, so that no wall comes between
 
 METRES_PER_HALF_STEP = math.pi * WHEEL_DIAMETER / HALF_STEPS_PER_TURN
+FULL_SPEED = 1024 * METRES_PER_HALF_STEP  # m/s of a wheel that a command turns
+INNER = 0.7  # of it: the inner wheel's in a curve
 
 Point = tuple[float, float]
 Wall = floor.Wall
@@ -47,6 +49,16 @@ def wrap(angle: float) -> float:
 def bearing(start: Point, end: Point) -> float:
     """Direction from `start` to `end`."""
     return math.atan2(end[1] - start[1], end[0] - start[0])
+
+
+def wheel_speeds(linear_x: int, angular_z: int) -> tuple[float, float]:
+    """m/s forward of the left and the right wheel, as the firmware's movement table has them for a command: 1 is
+    forward, and clockwise; other numbers than -1, 0 and 1 move nothing."""
+    if linear_x in (1, -1):
+        speed = linear_x * FULL_SPEED
+        return speed * (INNER if angular_z == -1 else 1), speed * (INNER if angular_z == 1 else 1)
+    turn = angular_z * FULL_SPEED if linear_x == 0 and angular_z in (1, -1) else 0.0
+    return turn, -turn
 
 
 def roll(pose: Pose, left: float, right: float) -> Pose:

@@ -14,7 +14,7 @@ from tcpros.specs import TypeSpec
 _log = logging.getLogger(__name__)
 
 _TIME = struct.Struct("<II")  # s, ns
-CLOCK = TypeSpec(ClockMessage._type, ClockMessage._md5sum, ClockMessage._full_text)
+CLOCK = TypeSpec.of(ClockMessage)
 
 
 class Clock:

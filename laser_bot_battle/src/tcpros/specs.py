@@ -1,6 +1,6 @@
 """What is said about types, and what can go wrong with services."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 ANY = "*"  # in the place of a type's name or md5 sum: whatever the other side has
 
@@ -11,6 +11,11 @@ class TypeSpec(NamedTuple):
     name: str
     md5sum: str
     definition: str
+
+    @classmethod
+    def of(cls, message: Any) -> Self:
+        """Of a class that is generated for a message type."""
+        return cls(message._type, message._md5sum, message._full_text)
 
 
 class ServiceSpec(NamedTuple):

@@ -42,10 +42,6 @@ def token(number: int) -> str:
     return f"token-of-{number}"
 
 
-def spec(message: Any) -> TypeSpec:
-    return TypeSpec(message._type, message._md5sum, message._full_text)
-
-
 class Robot:
     """One player with a robot: what was sent and has not come yet, and how long the others took."""
 
@@ -56,7 +52,7 @@ class Robot:
         self.sent = self.lost = 0
         self.latencies: list[float] = []
         self._under_way: deque[tuple[dict[str, Any], float]] = deque()
-        node.subscribe(self.topic, spec(Robot_msg), self._receive)
+        node.subscribe(self.topic, TypeSpec.of(Robot_msg), self._receive)
 
     def request(self) -> str:
         """The next command, which is sent now."""
@@ -155,7 +151,7 @@ async def main(port: int) -> None:
     robots = [Robot(node, number) for number in range(DRIVERS)]
     ready, ending = asyncio.Barrier(DRIVERS + 1), asyncio.Event()
     async with asyncio.TaskGroup() as group:
-        refereeing = group.create_task(referee(node.advertise(GAME_STATUS, spec(GameStatus), latch=True)))
+        refereeing = group.create_task(referee(node.advertise(GAME_STATUS, TypeSpec.of(GameStatus), latch=True)))
         driving = [group.create_task(drive(port, robot, number, ready, ending)) for number, robot in enumerate(robots)]
         await ready.wait()
         say(driving=True)

@@ -8,7 +8,7 @@ from std_msgs.msg import String
 from tcpros.node import Node
 from tcpros.specs import TypeSpec
 
-STRING = TypeSpec(String._type, String._md5sum, String._full_text)
+STRING = TypeSpec.of(String)
 
 
 async def main() -> None:

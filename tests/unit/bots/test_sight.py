@@ -5,10 +5,10 @@ from itertools import pairwise
 
 import pytest
 
-from laser_bot_battle.geometry import Point, Pose
+from laser_bot_battle.geometry import FULL_SPEED, Point, Pose
 from server.bots.game import Floor, Positions
 from server.bots.mind import Command
-from server.bots.sight import AGE, BLIND_AFTER, MOST, OBEYED, SPEED, OwnWay, Sight
+from server.bots.sight import AGE, BLIND_AFTER, MOST, OBEYED, OwnWay, Sight
 
 FLOOR = Floor(2.0, 2.0, ())
 
@@ -56,9 +56,9 @@ def test_a_robot_is_where_its_commands_have_brought_it() -> None:
     way.commanded(2.0, Command(angular_z=-1))
     way.commanded(2.5, Command())
     assert way.since(0.5, start, 1.0) == start, "its wheels do not obey yet"
-    assert way.since(0.5, start, 1.5).x == pytest.approx(1.0 + SPEED * (0.5 - OBEYED))
+    assert way.since(0.5, start, 1.5).x == pytest.approx(1.0 + FULL_SPEED * (0.5 - OBEYED))
     turned = way.since(0.5, start, 3.0)
-    assert turned.point == pytest.approx((1.0 + SPEED, 1.0))
+    assert turned.point == pytest.approx((1.0 + FULL_SPEED, 1.0))
     assert turned.heading == pytest.approx(math.radians(67.5) / 2, abs=0.01), "67.5 degrees a second"
     assert way.since(2.0 + OBEYED, start, 3.0).heading == pytest.approx(turned.heading), "what was seen is not added"
 

@@ -5,10 +5,10 @@ import math
 import pytest
 from tf2_msgs.msg import TFMessage
 
+from laser_bot_battle.geometry import Pose
 from laser_bot_battle.settings import SettingsError
 from server.camera.stream import Address
 from server.overhead.messages import TF, transforms
-from server.overhead.motion import Place
 from server.overhead.robots import Seen
 from server.overhead.settings import Settings
 
@@ -38,7 +38,7 @@ def test_what_is_no_address_is_refused(url: str) -> None:
 def test_transforms_are_those_of_tf2() -> None:
     message = TFMessage()
     assert (TF.name, TF.md5sum) == (message._type, message._md5sum)
-    robots = [Seen(7, Place(1.5, 0.25, math.pi / 2), False), Seen(8, Place(0, 0, 0), True)]
+    robots = [Seen(7, Pose(1.5, 0.25, math.pi / 2), False), Seen(8, Pose(0, 0, 0), True)]
     message.deserialize(transforms(robots, 1234.5, 3))
     first, second = message.transforms
     assert (first.header.seq, first.header.stamp.to_sec(), first.header.frame_id) == (3, 1234.5, "floor")

@@ -28,7 +28,7 @@ def test_robots_are_found_in_a_picture_with_tilt_lens_and_noise(looker: Looker) 
     found = {seen.robot: seen.place for seen in tracker.robots(100.2)}
     assert found.keys() == ROBOTS.keys()
     for robot, (x, y, heading) in ROBOTS.items():
-        assert math.dist(found[robot][:2], (x, y)) < 0.006
+        assert math.dist(found[robot].point, (x, y)) < 0.006
         assert abs(math.remainder(found[robot].heading - heading, math.tau)) < math.radians(2)
 
 

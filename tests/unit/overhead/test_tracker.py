@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from laser_bot_battle.apriltag import Detection
+from laser_bot_battle.geometry import FULL_SPEED, Pose
 from laser_bot_battle.tags import FLOOR_TAG_SIZE, ROBOT_TAG_SIZE, floor_tags
-from server.overhead.motion import FULL_SPEED, Place
 from server.overhead.tracker import Tracker
 from server.overhead.view import View, has_moved
 from tests.support.overhead_camera import SIZE, TAG_HEIGHT, Floor, OverheadCamera
@@ -36,7 +36,7 @@ class Watch:
             self.see(self.camera.floor_tags() + self.camera.robots(poses), 1)
 
     @property
-    def places(self) -> dict[int, Place]:
+    def places(self) -> dict[int, Pose]:
         return {seen.robot: seen.place for seen in self.tracker.robots(self.now)}
 
     @property
@@ -53,10 +53,10 @@ def watch() -> Watch:
     return Watch(OverheadCamera())
 
 
-def miss(place: Place, pose: tuple[float, float, float]) -> tuple[float, float]:
+def miss(place: Pose, pose: tuple[float, float, float]) -> tuple[float, float]:
     """In mm and degrees."""
     turn = math.remainder(place.heading - pose[2], math.tau)
-    return 1000 * math.dist(place[:2], pose[:2]), abs(math.degrees(turn))
+    return 1000 * math.dist(place.point, pose[:2]), abs(math.degrees(turn))
 
 
 @pytest.mark.parametrize(
