@@ -33,6 +33,7 @@ SERVICES = {
     "robots": ["laserbot-robot"],
 }
 CAMERA_SERVICE = "laserbot-camera"
+OVERHEAD_SERVICE = "laserbot-overhead"
 
 
 @dataclass(frozen=True)
@@ -47,6 +48,7 @@ class Machine:
     serial: str = "/dev/laserbot"
     platform: str = ""  # the image's, where it is not the host's own
     camera: bool = False  # whether the robot has one
+    overhead: bool = False  # whether the master has one above the floor
     tls: bool = False  # whether the master's front has a certificate
     monitoring: bool = False  # whether Prometheus watches the master
     arena: str = "laser-bot-master"  # the name by which the master announces itself
@@ -55,7 +57,8 @@ class Machine:
 
     @property
     def services(self) -> list[str]:
-        return SERVICES[self.group] + ([CAMERA_SERVICE] if self.camera else [])
+        extras = {CAMERA_SERVICE: self.camera, OVERHEAD_SERVICE: self.overhead}
+        return SERVICES[self.group] + [service for service, is_there in extras.items() if is_there]
 
     @functools.cached_property
     def host(self) -> Host:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import yaml
 
+from fleet import Machine
 from server.game.rules import DECLARED
 from tests.support.documents import blocks
 from tests.support.programs import ROOT
@@ -77,3 +78,9 @@ def test_the_firewall_by_hand_closes_the_ports_of_the_fleets() -> None:
     for document in ("docs/lan.md", "docs/kubernetes-network.md"):
         rules = re.findall(r"^ +iifname .* drop$", (ROOT / document).read_text(), re.MULTILINE)
         assert f"tcp dport {{ {ros_master}, {ros_nodes} }} ip saddr != " in rules[0]
+
+
+def test_check_yml_looks_at_every_service_of_a_master() -> None:
+    variables = yaml.safe_load((ANSIBLE / "roles/master/vars/main.yml").read_text())
+    deployed = {service["name"] for part in ("master_services", "master_overhead") for service in variables[part]}
+    assert set(Machine("hall", "master", "192.0.2.1", "pi", "", overhead=True).services) == deployed
