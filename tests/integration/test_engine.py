@@ -82,6 +82,18 @@ def test_a_private_engine_runs_the_command_passes_its_exit_code_and_leaves_nothi
     assert not folder(result.stdout).exists()
     assert not processes_of(folder(result.stdout))
     assert not emulators_left()
+    assert "full" not in result.stderr
+
+
+@pytest.mark.slow
+@needs_root
+def test_whose_command_fails_on_a_full_disk_reads_that_last(tmp_path: Path) -> None:
+    (tmp_path / "df").write_text("#!/bin/sh\nprintf 'Avail\\n  40\\n'\n")
+    (tmp_path / "df").chmod(0o755)
+    environment = {**NO_ENGINE, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    result = subprocess.run([ENGINE, "false"], env=environment, capture_output=True, text=True, check=False)
+    assert result.returncode == 1
+    assert "disk is full: 40 MB are left" in result.stderr.splitlines()[-1]
 
 
 @pytest.mark.slow
