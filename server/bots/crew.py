@@ -52,15 +52,22 @@ class Crew:
         """Let bots drive these robots, at these levels, and no others."""
         over = [robot for robot, (_, task) in self._bots.items() if robot not in given or task.done()]
         await self._end(*over)
+        if given:
+            self._keep_following()
         for robot, level in given.items():
             if robot in self._bots:
                 self._bots[robot][0].level = level
                 continue
-            if self._following is None or self._following.done():
-                self._following = asyncio.create_task(self._feed.follow())
             bot = Bot(Web(self._settings.web_url(self._place)), self._feed, robot, level, self._names)
             self._bots[robot] = bot, asyncio.create_task(bot.run())
             _log.info("a bot is to drive robot %d (%s)", robot, level)
+
+    def _keep_following(self) -> None:
+        """Without the feed no bot sees anything: whatever has ended it, it begins again."""
+        if self._following is None or self._following.done():
+            if self._following is not None:
+                _log.error("the feed from rosbridge has failed", exc_info=self._following.exception())
+            self._following = asyncio.create_task(self._feed.follow())
 
     def _is_blind(self) -> bool:
         return self._feed.sight.is_blind(asyncio.get_running_loop().time())

@@ -1,11 +1,13 @@
 """Bots at the real web server, by HTTP: they come and go as it says."""
 
 import asyncio
+import itertools
 from collections.abc import Awaitable, Callable
 
 import pytest
 
 from laser_bot_battle.place import Place
+from server.bots.bridge import Feed
 from server.bots.crew import Crew
 from server.bots.settings import Settings as BotSettings
 from server.bots.web import GameError, Web
@@ -83,6 +85,25 @@ def test_a_bot_whose_robot_somebody_needed_comes_back_for_it() -> None:
         assert hall.drivers() == {1: "Cid"}
         hall.battle.sign_out("Cid", "his session")
         await becomes(lambda: hall.drivers() == {1: "Bot1"})
+
+    play(hall, story)
+
+
+def test_a_feed_that_fails_begins_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    hall, times = Hall(), itertools.count(1)
+    following = asyncio.Event()
+
+    async def follow(feed: Feed) -> None:
+        if next(times) == 1:
+            raise RuntimeError("something that nobody has thought of")
+        following.set()
+        await asyncio.Event().wait()
+
+    monkeypatch.setattr(Feed, "follow", follow)
+
+    async def story() -> None:
+        hall.give(1, "easy")
+        await becomes(following.is_set)
 
     play(hall, story)
 
