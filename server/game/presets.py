@@ -17,11 +17,11 @@ class Preset:
 
 
 def _built_in(name: str, **rules: Any) -> Preset:
-    """What one of them changes, all the others set back: so they can follow each other. What the robots can do, such as
-    their light, is not for them to say."""
+    """What one of them, or an operator's own, changes, all the others set back: so they can follow each other. What the
+    robots and the hall can do, such as their light, is not for them to say."""
     changed = (
         *("hit_damage", "countdown", "battle_limit", "friendly_fire"),
-        *("handicap", "protection", "late_join"),
+        *("handicap", "protection", "late_join", "teams", "hill", "pickups"),
         *("battles_in_row", "seat_minutes", "idle", "offer", "practice", "practice_beside", "hide_cameras"),
     )
     return Preset(name, {**dict.fromkeys(changed), **rules})
