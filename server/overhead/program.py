@@ -118,7 +118,8 @@ class OverheadProgram:
     def _tell(self) -> None:
         now = self._told = self._loop.time()
         robots = self._tracker.robots(now)
-        self._positions.publish(positions(self._floor, robots))
+        if robots or self._places():  # silence says that nobody knows, and an empty floor that nobody is there
+            self._positions.publish(positions(self._floor, robots))
         if robots:
             self._tf.publish(transforms(robots, time.time(), self._looked))
         for robot in {seen.robot for seen in robots} - self._followed:

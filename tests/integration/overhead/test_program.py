@@ -156,7 +156,12 @@ def test_it_can_be_watched_as_the_page_says(hall: Hall) -> None:
 def test_without_its_camera_it_says_so_and_goes_on_when_it_is_back(hall: Hall) -> None:
     hall.camera.stop()
     try:
-        until(lambda: not hall.positions and not hall.status["places"], 10, "no places")
+        until(lambda: not hall.status["places"] and not hall.status["robots"], 10, "no places")
+        told, said = len(hall.side.heard(POSITIONS)), len(hall.side.heard(OVERHEAD_STATUS))
+        until(lambda: len(hall.side.heard(OVERHEAD_STATUS)) > said + 1, 10, "a second has passed")
+        assert len(hall.side.heard(POSITIONS)) == told, (
+            "pages say that positions have stopped, not that nobody is there"
+        )
         (trouble,) = hall.status["troubles"]
         assert trouble.startswith(f"no picture of the camera above the floor ({hall.camera.url}/stream")
         assert trouble.endswith("the camera cannot be reached")
