@@ -27,7 +27,7 @@ def battle(demo: Demo) -> Demo:
 @pytest.fixture
 def screen(chromium: Browser, battle: Demo) -> Iterator[Page]:
     """The page on a projector; nothing in it may fail."""
-    context = chromium.new_context(viewport=PROJECTOR, color_scheme="dark")  # type: ignore[arg-type]
+    context = chromium.new_context(viewport=PROJECTOR, color_scheme="light")  # type: ignore[arg-type]
     page = context.new_page()
     complaints: list[str] = []
     page.on("pageerror", lambda error: complaints.append(str(error)))
@@ -42,12 +42,20 @@ def panel(name: str) -> re.Pattern[str]:
     return re.compile(rf"^{name}$")
 
 
+def width_of(page: Page, selector: str) -> float:
+    box = page.locator(selector).bounding_box()
+    assert box
+    return box["width"]
+
+
 def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Demo, screenshots: Path) -> None:
     body, players, feed = screen.locator("body"), screen.locator("#players"), screen.locator("#feed")
     expect(body).to_have_attribute("data-panel", panel("join"))
+    expect(screen.locator("html")).to_have_attribute("data-theme", "dark")  # as halls are, whatever the system is
     expect(screen.locator(".watch-address")).to_have_text(battle.web.removeprefix("http://"))
     drawn = screen.locator(".watch-code svg path").last.get_attribute("d")
     assert drawn
+    large = width_of(screen, ".watch-code")
     assert f'd="{drawn}"' in segno.make(battle.web, micro=False, error="m").svg_inline(border=4)
     expect(screen.locator("#arena")).to_be_visible()
     with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob, Eyes(battle) as eyes:
@@ -60,6 +68,7 @@ def test_a_spectator_sees_a_whole_battle(screen: Page, battle: Demo, screenshots
         start(ann, bob)
         expect(body).to_have_attribute("data-panel", panel("battle"))
         expect(screen.locator("#clock strong")).to_have_text(re.compile(r"^[45]:\d\d$"))
+        assert 0 < width_of(screen, ".watch-code") < large / 2, "it makes room for the battle"
         hunt_down(ann, bob, eyes, 75)
         expect(feed).to_contain_text("Ann hits Bob: 75%")  # nobody else has shot
         expect(players.locator("[data-name=Bob] [role=progressbar]")).not_to_have_attribute("aria-valuenow", "100")

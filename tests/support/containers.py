@@ -2,7 +2,6 @@
 
 import time
 from collections.abc import Iterable, Mapping
-from datetime import UTC, datetime
 from functools import cache
 from typing import Any
 
@@ -122,12 +121,10 @@ class Container:
         assert state["Running"], f"the container has ended: {state}\n{self.logs}"
         return execute(self._container, *command)
 
-    def stop(self) -> float:
-        """As an operator would: by the image's stop signal; s until the end of a program that ends well."""
-        began = datetime.now(UTC)
+    def stop(self) -> None:
+        """As an operator would: by the image's stop signal. The program must end well, and not have to be killed."""
         self._container.stop(timeout=10)
         assert self.state["ExitCode"] in {0, 130}, f"{self.state}\n{self.logs}"
-        return (datetime.fromisoformat(str(self.state["FinishedAt"])) - began).total_seconds()
 
     def wait_until_healthy(self, seconds: float = 120.0) -> float:
         """Wait for Docker's word; s since the container was created."""

@@ -7,9 +7,11 @@ from laser_bot_battle.names import ABOVE, OVERHEAD_CAMERA
 from tests.integration.camera.conftest import Relay, tell_camera
 from tests.integration.rosbridge.ends import RosSide
 from tests.support.fake_camera import FakeCamera, with_headers
-from tests.support.polling import until
+from tests.support.polling import SLOWNESS, until
 from tests.support.ros import RosMaster
 from tests.support.viewer import Shot, Viewer
+
+OF_ONE_CLOCK = 1.0 * SLOWNESS  # s between two readings of it that a busy machine may need
 
 Start = Callable[..., tuple[int, FakeCamera]]
 Connect = Callable[..., Viewer]
@@ -24,8 +26,8 @@ def test_a_picture_tells_whose_it_is_and_when_it_was_taken_and_sent(camera: Star
     made = time.time() - (time.monotonic() - second.mark.made)
     assert (second.robot, second.number - first.number) == (robot, second.mark.number - first.mark.number)
     assert len(second.jpeg) == 10_000
-    assert abs(second.taken - made) < 0.2
-    assert second.taken <= second.sent + 0.2
+    assert abs(second.taken - made) < OF_ONE_CLOCK
+    assert second.taken <= second.sent + OF_ONE_CLOCK
     assert someone.states[-1] == (robot, "live", "")
 
 
@@ -128,7 +130,7 @@ def test_the_camera_above_the_floor_is_where_the_tracker_says(camera: Start, vie
     assert eye.requests[-1] == "GET /video?size=large HTTP/1.0"
     shot = pictures[-1]
     assert shot.robot == ABOVE
-    assert abs(shot.taken - (time.time() - (time.monotonic() - shot.mark.made))) < 0.2
+    assert abs(shot.taken - (time.time() - (time.monotonic() - shot.mark.made))) < OF_ONE_CLOCK
 
 
 def test_a_viewer_who_reads_but_has_not_drawn_gets_two_pictures(camera: Start, viewer: Connect) -> None:

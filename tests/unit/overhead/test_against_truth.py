@@ -98,6 +98,7 @@ def test_crowding_robots_are_never_exchanged() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)
 def test_robots_that_crowd_for_ten_minutes_are_never_exchanged() -> None:
     """With fewer pictures than any camera takes, and under feet: that is harder."""
     hall = Hall(DUEL_FLOOR, ROBOTS, Conditions(foot=0.15, exposure=0.03, print=0.98))
