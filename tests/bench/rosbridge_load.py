@@ -254,5 +254,6 @@ def paced(rate: float, seconds: float) -> Iterator[int]:
         now = time.monotonic()
         if now > start + seconds:
             break
-        time.sleep(max(0.0, start + number / rate - now))
+        if (early := start + number / rate - now) > 0:  # even no time asleep lets other threads go first
+            time.sleep(early)
         yield number
