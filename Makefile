@@ -4,7 +4,7 @@
 help:
 	@echo 'make demo [ROBOTS=2] [BOTS=1]  a whole battle on this machine, to play in the browser;'
 	@echo '                               OVERHEAD=1: robots get their places by a camera above the floor'
-	@echo 'make test                      what every change must pass: 15 minutes'
+	@echo 'make test                      what every change must pass: 20 minutes, 16 GB of disk'
 	@echo 'make test-all                  everything, including the slow tests: before a release'
 	@echo 'make lint                      style and types of the sources'
 	@echo 'make bench                     figures: latencies, stop time, stepper speed'
@@ -21,6 +21,7 @@ ROBOTS ?= 2
 BOTS ?= 1
 
 demo:
+	@case '$(ROBOTS)$(BOTS)' in *[!0-9]*) echo 'make demo: ROBOTS and BOTS are numbers' >&2; exit 2; esac
 	@ci/setup run
 	@exec ci/demo --robots '$(ROBOTS)' --bots '$(BOTS)' $(if $(filter-out 0,$(OVERHEAD)),--overhead)
 
