@@ -25,6 +25,7 @@ from server.ros.health_reports import HealthListener
 from server.ros.hits import Hits
 from server.ros.id_service_server import IdServiceServer
 from server.ros.node import rospy_node
+from server.ros.overhead import OverheadTroubles
 from server.ros.positions import PositionsListener
 from server.ros.presence import Presence
 from server.ros.robot_commands import RobotCommands
@@ -92,7 +93,8 @@ def _game(program: Program, settings: Settings, listener: Listener) -> Iterator[
     IdServiceServer(game, roster)
     channels: dict[int, wasyncore.dispatcher] = {}
     access = Access(settings.operator_token)
-    pages, bots = PagesProcess(), BotsProgram()
+    pages, bots, overhead = PagesProcess(), BotsProgram(), OverheadTroubles()
+    overhead.follow()
     desk = create_operator_api(
         game,
         settings,
@@ -101,6 +103,7 @@ def _game(program: Program, settings: Settings, listener: Listener) -> Iterator[
         log,
         health=health,
         bots=bots,
+        overhead=overhead.now,
         identify=commands.identify,
         ask_audience=pages.tell,
     )

@@ -50,14 +50,16 @@ def create_operator_api(
     *,
     health: RobotsHealth,
     bots: BotsProgram,
+    overhead: Callable[[], list[str]],
     identify: Callable[[int], bool],
     ask_audience: Callable[[bytes], None],
 ) -> Blueprint:
-    """The routes, as a Flask blueprint. `identify` asks a robot to show itself; whether somebody there hears it.
-    `ask_audience` passes a vote on to whoever counts (server.pages)."""
+    """The routes, as a Flask blueprint. `overhead` tells the troubles of the camera above the floor. `identify` asks a
+    robot to show itself; whether somebody there hears it. `ask_audience` passes a vote on to whoever counts
+    (server.pages)."""
     api = Blueprint("operator_api", __name__, url_prefix="/operator/api")
     _add_guard(api, access)
-    _add_views(api, game, settings, database=database, log=log, health=health, bots=bots)
+    _add_views(api, game, settings, database=database, log=log, health=health, bots=bots, overhead=overhead)
     _add_journal(api, Journals(settings.journal) if settings.journal else None)
     _add_decisions(api, game)
     _add_identify(api, game, identify)
@@ -96,6 +98,7 @@ def _add_views(
     log: EventLog,
     health: RobotsHealth,
     bots: BotsProgram,
+    overhead: Callable[[], list[str]],
 ) -> None:
     address = settings.database.render_as_string(hide_password=True).replace(":***@", "@")
     versions = {"laserbot": VERSION, "python": platform.python_version(), "ros": _ros_version()}
@@ -116,6 +119,7 @@ def _add_views(
             },
             versions={**versions, "database": database.version},
             bots={"program": bots.state(), "levels": LEVELS},
+            overhead={"troubles": overhead()},
             visitors={"one_address": one_address().found(time.monotonic())},
             operator=g.operator,
             log=log.latest(),

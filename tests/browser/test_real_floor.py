@@ -144,4 +144,10 @@ def test_the_editor_of_the_floor_lies_over_it(
     look.all(page, "the floor's editor, over the real floor")
     page.get_by_role("button", name="The real floor").click()
     until(lambda: not is_real(page, "#floor-picture", 0.25) and tracker.streams == 1, 10, "the drawn floor")
+
+    troubles = page.locator("#overhead-troubles")
+    expect(troubles).to_be_hidden()
+    tracker.stop()
+    expect(troubles).to_contain_text("no picture of the camera above the floor")
+    look.all(page, "the desk, without its camera above the floor")
     page.close()

@@ -35,6 +35,7 @@ def test_the_page_has_every_route_and_no_other() -> None:
             EventLog(database),
             health=RobotsHealth(),
             bots=BotsProgram(),
+            overhead=list,
             identify=lambda _: True,
             ask_audience=lambda _: None,
         )

@@ -55,6 +55,7 @@ class Site:
         self.log = EventLog(self.database)
         self.health = RobotsHealth(clock=lambda: self.now)
         self.bots = BotsProgram(clock=lambda: self.now)
+        self.overhead: list[str] = []  # the troubles of the camera above the floor
         self.deaf: set[int] = set()  # robots where nobody listens to what they are asked
         self.identified: list[int] = []
         self.asked: list[bytes] = []  # what was passed on to who counts votes
@@ -74,6 +75,7 @@ class Site:
             self.log,
             health=self.health,
             bots=self.bots,
+            overhead=lambda: self.overhead,
             identify=self.identify,
             ask_audience=self.asked.append,
         )
@@ -679,7 +681,7 @@ def test_the_state_has_all_that_is_promised(site: Site) -> None:
     state = site.operator().get("/operator/api/state").json
     assert state.keys() == {
         "time", "game", "robots", "players", "queue", "rules", "presets", "names", "tournament", "database", "versions",
-        "visitors", "operator", "log", "has_journal", "bots",
+        "visitors", "operator", "log", "has_journal", "bots", "overhead",
     }  # fmt: skip
     assert state["game"].keys() == {"state", "paused", "why_no_start", "time_left", "battle", "notice", "message"}
     assert state["robots"][0].keys() >= {
@@ -700,6 +702,11 @@ def test_visitors_who_seem_to_have_one_address_are_told_of(site: Site) -> None:
     for number in range(MANY):
         site.browser().post("/signUpUser", data={"data": f"ann{number}"}, environ_base={"REMOTE_ADDR": "10.42.0.1"})
     assert site.operator().get("/operator/api/state").json["visitors"] == {"one_address": "10.42.0.1"}
+
+
+def test_troubles_of_the_camera_above_the_floor_are_told(site: Site) -> None:
+    site.overhead.append("floor tag 200 is missing")
+    assert site.operator().get("/operator/api/state").json["overhead"] == {"troubles": ["floor tag 200 is missing"]}
 
 
 def test_no_password_is_shown(tmp_path: Path) -> None:

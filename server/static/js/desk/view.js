@@ -33,6 +33,7 @@ export function showState(state, on) {
   showBanned(state.names.banned, on);
   showSystem(state);
   showVisitors(state.visitors);
+  showOverhead(state.overhead);
   showLog(state.log);
 }
 
@@ -143,6 +144,11 @@ function showSystem({ database, versions }) {
   byId("database-problem").hidden = problem === "" && mishap === "";
   setText(byId("database-problem"), problem ? t("desk.database_problem", { problem }) : mishap);
   for (const [part, version] of Object.entries(versions)) setText(byId(`version-${part}`), version);
+}
+
+function showOverhead({ troubles }) {
+  byId("overhead-troubles").hidden = troubles.length === 0;
+  setText(byId("overhead-troubles"), troubles.join("\n"));
 }
 
 function showVisitors({ one_address: address }) {
