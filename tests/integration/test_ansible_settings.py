@@ -38,9 +38,27 @@ def test_all_that_is_wrong_is_told_at_once(role: str, knobs: str, words: list[st
     assert all(row["changed"] == 0 for row in recap(run.stdout).values())
 
 
-@pytest.mark.parametrize("role", ["master", "robot"])
-def test_what_the_roles_themselves_set_is_right(role: str, tmp_path: Path) -> None:
-    run = play_role(role, "settings", FLEET, tmp_path)
+@pytest.mark.parametrize(
+    ("floor", "words"),
+    [
+        ("{folder}/hall.json", "LASERBOT_FLOOR={folder}/hall.json: starts: must have one place at least"),
+        ("hall.json", "absolute path of a file on this machine, not hall.json."),
+    ],
+)
+def test_a_floor_that_no_program_could_read_is_told(floor: str, words: str, tmp_path: Path) -> None:
+    (tmp_path / "hall.json").write_text('{"width": 2, "height": 2}')
+    knob = f"master_floor: {floor.format(folder=tmp_path)}\n"
+    run = play_role("master", "settings", FLEET + knob, tmp_path, "laser_bot_master")
+    assert run.returncode != 0
+    assert words.format(folder=tmp_path) in run.stdout
+    assert all(row["changed"] == 0 for row in recap(run.stdout).values())
+
+
+@pytest.mark.parametrize(
+    ("role", "knob"), [("master", ""), ("master", f"master_floor: {ROOT}/floors/hall.json\n"), ("robot", "")]
+)
+def test_what_the_roles_themselves_set_is_right(role: str, knob: str, tmp_path: Path) -> None:
+    run = play_role(role, "settings", FLEET + knob, tmp_path)
     assert run.returncode == 0, run.stdout + run.stderr
 
 

@@ -1,6 +1,6 @@
 """Says all that is wrong with settings before a program reads them, a line each.
 
-    python3 -m laser_bot_battle.check                       those of the environment
+    python3 -m laser_bot_battle.check                       those of the environment, and the file of its floor
     python3 -m laser_bot_battle.check .env                  those of a file that compose reads
     kubectl kustomize FOLDER | python3 -m laser_bot_battle.check -     those of Kubernetes' manifests
 
@@ -12,14 +12,15 @@ import argparse
 import os
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from importlib import import_module
 from typing import Any
 
+from laser_bot_battle.floor import FloorError, floor_file, parse_floor, read_bytes
 from laser_bot_battle.given_settings import Given, Group, of_file
 from laser_bot_battle.operator_token import check_choice
-from laser_bot_battle.settings import ROS_ADDRESSES, SettingsError, Variable, unknown
-from laser_bot_battle.variables import LASERBOT, OPERATOR_TOKEN, ROS_MASTER_URI
+from laser_bot_battle.settings import ROS_ADDRESSES, SettingsError, Variable, shown, unknown
+from laser_bot_battle.variables import FLOOR, LASERBOT, OPERATOR_TOKEN, ROS_MASTER_URI
 
 ALL: tuple[Variable[Any], ...] = (*LASERBOT, ROS_MASTER_URI, *ROS_ADDRESSES)
 _NAMES = {variable.name for variable in ALL}
@@ -42,6 +43,24 @@ def mistakes(group: Group) -> Iterator[str]:
         check_choice(known)
     except SettingsError as error:
         yield f"{group[OPERATOR_TOKEN.name].where}{error}"
+
+
+def mistakes_in_floor(environ: Mapping[str, str]) -> Iterator[str]:
+    """What is wrong with the file of the environment's floor. A wrong name is for `mistakes` to tell."""
+    try:
+        floor = FLOOR.read(environ)
+    except SettingsError:
+        return
+    problems: Sequence[str] = ()
+    try:
+        parse_floor(read_bytes(floor_file(floor)))
+    except OSError as error:
+        problems = [f"cannot be read: {error.strerror}"]
+    except FloorError as error:
+        problems = error.problems
+    except ValueError as error:
+        problems = [str(error)]
+    yield from (f"{FLOOR.name}={shown(floor)}: {problem}" for problem in problems)
 
 
 def groups_of(text: str) -> tuple[list[Group], list[str]]:
@@ -74,7 +93,7 @@ def main() -> int:
     parser.add_argument("file", nargs="?", help="of settings or manifests; - for the standard input")
     file = parser.parse_args().file
     if file is None:
-        return tell([{name: Given(value) for name, value in os.environ.items()}], [])
+        return tell([{name: Given(value) for name, value in os.environ.items()}], mistakes_in_floor(os.environ))
     try:
         if file == "-":
             text = sys.stdin.buffer.read().decode()

@@ -195,6 +195,34 @@ def test_what_is_no_manifest_is_refused(text: str, words: str) -> None:
         groups_of(text)
 
 
+FLOOR = '{"width": 2, "height": 2, "starts": [[0.3, 0.3], [0.35, 0.3], [9, 1]]}'
+NO_FLOOR = [
+    "starts[2]: x: must be a number from 0 to 2",
+    "starts[1]: two robots do not fit here and at starts[0]",
+]
+
+
+@pytest.mark.parametrize(
+    ("text", "problems"),
+    [
+        (FLOOR, NO_FLOOR),
+        ("walls", ["line 1, column 1: is no JSON: Expecting value"]),
+        (None, ["cannot be read: No such file or directory"]),
+    ],
+)
+def test_the_environments_floor_is_read(text: str | None, problems: list[str], tmp_path: Path) -> None:
+    floor = tmp_path / "hall.json"
+    if text is not None:
+        floor.write_text(text)
+    told = run(LASERBOT_FLOOR=str(floor))
+    assert (told.returncode, told.stdout.splitlines()) == (1, [f"LASERBOT_FLOOR={floor}: {each}" for each in problems])
+
+
+def test_a_wrong_name_of_a_floor_is_told_once() -> None:
+    (line,) = run(LASERBOT_FLOOR="batle").stdout.splitlines()
+    assert "LASERBOT_FLOOR=batle: must be battle, duel" in line
+
+
 def test_the_program_tells_and_ends_as_it_says(tmp_path: Path) -> None:
     right = run(LASERBOT_HIT_DAMAGE="20")
     assert (right.returncode, right.stdout) == (0, "")
