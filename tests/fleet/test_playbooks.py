@@ -138,7 +138,7 @@ def test_changed_knobs_restart_only_what_they_concern(rehearsal: Rehearsal) -> N
     for variables in ([f"--extra-vars={knobs}"], []):
         run = rehearsal.playbook("deploy", *variables)
         assert changed_tasks(run.output) == [
-            "host : Have one clock in the fleet",
+            "host : Write the host's settings",
             "fleet : Run the services with these settings",
             "firewall : Write the rules",
             "fleet : Run the services with these settings",

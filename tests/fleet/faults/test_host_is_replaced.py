@@ -45,7 +45,7 @@ def test_a_robot_is_replaced_though_the_deploy_is_broken_off(rehearsal: Rehearsa
     measured("broken off while packages are installed")
     # chrony and udev have their settings, and have not been told
     second = Playbook("deploy")
-    second.wait_for("TASK [host : Log in over SSH with keys only]", 240)
+    second.wait_for("TASK [host : Apply these settings]", 240)
     second.stop(signal.SIGINT, 60)
     measured("broken off between settings and restarts")
     run = rehearsal.playbook("deploy")
