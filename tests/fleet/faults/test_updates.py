@@ -368,6 +368,35 @@ def test_a_masters_image_is_refused_as_a_whole(rehearsal: Rehearsal, broken_mast
     rehearsal.wait_until_complete()
 
 
+@pytest.fixture
+def older_master(rehearsal: Rehearsal) -> Iterator[Path]:
+    """The webserver of a release that had no bots."""
+    with archive("older-master", "webserver", "USER root", "RUN rm -r /opt/laserbot/server/bots", "USER 10001") as file:
+        yield file
+
+
+def test_the_master_goes_back_to_a_release_that_lacks_a_program(rehearsal: Rehearsal, older_master: Path) -> None:
+    """Without that program's service, whatever the inventory sets for it; the newer release brings it again."""
+    master = rehearsal.master
+
+    def running() -> dict[str, str]:
+        names = master.run("docker ps --filter name=^/laserbot- --format '{{.Names}}'").split()
+        return {name: container["Config"]["Image"] for name, container in master.containers(*names).items()}
+
+    now = running()
+    rehearsal.playbook("update", f"--extra-vars=fleet_images_archive={older_master}")
+    older = running()
+    assert now.keys() - older.keys() == {"laserbot-bots"}
+    assert set(now.values()).isdisjoint(older.values())
+    rehearsal.playbook("update")
+    assert running() == now
+    rehearsal.playbook("rollback", "--extra-vars=master_bot_robots=1")
+    assert running() == older
+    rehearsal.playbook("update")
+    assert running() == now
+    rehearsal.wait_until_complete()
+
+
 def test_a_robot_that_missed_a_release_goes_back_by_one_as_the_others(rehearsal: Rehearsal, better: Path) -> None:
     """It was off when one came, and on when the next did. The registry has what they go back to, and no more."""
     absent, other = rehearsal.robots[:2]
