@@ -27,7 +27,7 @@ from tests.support.programs import ROOT, Program
 OURS = ROOT / "monitoring"
 README = kubernetes_pages()
 PORTS = {"prometheus": 9210, "alertmanager": 9211}
-PROGRAMS = {"web": "web", "rosbridge": "rosbridge", "camera-relay": "relay"}  # by container
+PROGRAMS = {"web": "web", "rosbridge": "rosbridge", "camera-relay": "relay", "overhead": "overhead"}  # by container
 
 
 def pod_of(manifests: Manifests) -> Object:
@@ -39,7 +39,7 @@ def container_of(manifests: Manifests, name: str) -> Object:
     return dict(found)
 
 
-@pytest.fixture(params=["lan+monitoring", "sim+monitoring"])
+@pytest.fixture(params=["lan+monitoring+overhead", "sim+overhead+monitoring"])
 def manifests(request: pytest.FixtureRequest) -> Manifests:
     return overlay(request.param).within("laserbot")
 
@@ -71,6 +71,11 @@ def test_the_service_metrics_leads_to_every_program(manifests: Manifests) -> Non
     led = {(port["targetPort"], port["port"]) for port in service["spec"]["ports"]}
     assert led == set(told(manifests).values())
     assert service["metadata"]["annotations"] == {"prometheus.io/scrape": "true"}
+
+
+def test_the_tracker_is_watched_only_where_the_others_are() -> None:
+    manifests = overlay("lan+overhead").within("laserbot")
+    assert "LASERBOT_METRICS" not in environment_of(manifests, "overhead")
 
 
 def test_nobody_reaches_them_but_by_a_forwarded_port(manifests: Manifests, watcher: str) -> None:
@@ -120,7 +125,7 @@ def test_their_image_is_of_this_version(manifests: Manifests, watcher: str) -> N
 
 def test_prometheus_runs_by_its_command_and_asks_the_master(tmp_path: Path) -> None:
     """Debian's, as the image has it, but for its port and folders."""
-    manifests = overlay("sim+monitoring").within("laserbot")
+    manifests = overlay("sim+monitoring+overhead").within("laserbot")
     kubelet = Kubelet(manifests, pod_of(manifests), {}, {"metrics": "10.43.0.9"})
     container, port = container_of(manifests, "prometheus"), free_port()
     places = {"9210": str(port), "/opt/laserbot/monitoring": str(OURS), "/var/lib/prometheus": str(tmp_path)}
@@ -179,7 +184,7 @@ def test_alertmanager_takes_the_operators_configuration_if_there_is_one(tmp_path
 
 @cache
 def operated() -> Manifests:
-    return overlay("sim+prometheus-operator").within("laserbot")
+    return overlay("sim+prometheus-operator+overhead").within("laserbot")
 
 
 def test_the_operators_objects_fit_its_definitions() -> None:

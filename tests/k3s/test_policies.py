@@ -192,7 +192,7 @@ def test_every_pod_of_an_arena_is_shut_by_default() -> None:
 
 
 def test_what_a_policy_names_is_there() -> None:
-    manifests = overlay("sim+front+monitoring").within("laserbot")
+    manifests = overlay("sim+front+monitoring+overhead").within("laserbot")
     pods = [pod_of(each, "10.0.0.1") for each in manifests.workloads]
     for policy in manifests.of("NetworkPolicy"):
         labels = policy["spec"]["podSelector"]["matchLabels"].items()

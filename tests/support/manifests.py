@@ -127,6 +127,7 @@ class Kubelet:
         self, manifests: Manifests, pod: Object, fields: Mapping[str, str], addresses: Mapping[str, str]
     ) -> None:
         self._manifests, self._fields = manifests, fields
+        self._config_maps = {item["metadata"]["name"] for item in manifests.of("ConfigMap")}
         services = [item for item in manifests.of("Service") if item["metadata"]["name"] in addresses]
         self._links = service_variables(services, addresses) if pod.get("enableServiceLinks", True) else {}
 
@@ -149,6 +150,8 @@ class Kubelet:
             return self._fields[source["fieldRef"]["fieldPath"]]
         if "configMapKeyRef" in source:
             reference = source["configMapKeyRef"]
+            if reference.get("optional") and reference["name"] not in self._config_maps:
+                return None
             return str(self._manifests.one("ConfigMap", reference["name"])["data"][reference["key"]])
         return None if source["secretKeyRef"].get("optional") else SECRET
 
