@@ -203,9 +203,42 @@ def test_what_a_policy_names_is_there() -> None:
                 assert all(port["port"] in pod.ports for pod in selected)
 
 
+def example_for(policy: str) -> list[Object]:
+    """The patch of the policy in the documents."""
+    (example,) = re.findall(rf"^- target: {{kind: NetworkPolicy, name: {policy}}}.*?(?=```)", README, re.DOTALL | re.M)
+    return list(yaml.safe_load(example))
+
+
+@needs_root
+def test_a_master_with_a_tracker_reaches_its_camera_and_no_other_does(customize: Customize) -> None:
+    narrowed = example_for("overhead")
+    (operation,) = yaml.safe_load(narrowed[0]["patch"])
+    (rule,) = operation["value"]
+    rule["to"][0]["ipBlock"]["cidr"] = f"{NETWORK}.2/32"
+    rule["ports"][0]["port"] = PORTS[1]
+    narrowed[0]["patch"] = yaml.safe_dump([operation])
+    reached = []
+    with Lan() as lan:
+        machines = {"master": lan.machine(), "camera": lan.machine()}
+        camera = machines["camera"].program(sys.executable, "-c", LISTEN)
+        try:
+            camera.wait_for("listening")
+            for manifests in (
+                overlay("sim"),
+                overlay("sim+overhead"),
+                customize("sim", "overhead", patches=narrowed),
+            ):
+                here = Cluster(machines, {}, manifests)
+                here.pods["master"] = pod_of(manifests.one("Deployment", "master"), here.address("master"))
+                here.enforce()
+                reached.append(here.reached("master", "camera"))
+        finally:
+            camera.kill()
+    assert reached == [set(), set(PORTS), {PORTS[1]}]
+
+
 def test_a_database_elsewhere_is_reached_by_the_readmes_patch(customize: Customize) -> None:
-    (example,) = re.findall(r"^- target: {kind: NetworkPolicy.*?(?=```)", README, re.DOTALL | re.MULTILINE)
-    manifests = customize("sim", patches=yaml.safe_load(example))
+    manifests = customize("sim", patches=example_for("database"))
     policy = manifests.one("NetworkPolicy", "database")
     kubernetes_validate.validate(policy, VERSIONS[0], strict=True)
     master = pod_of(manifests.one("Deployment", "master"), "10.42.0.7")
