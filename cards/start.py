@@ -8,6 +8,7 @@ file. Nothing is written that is as it should be already.
 """
 
 import argparse
+import dataclasses
 import os
 import shutil
 import sys
@@ -15,7 +16,7 @@ import zoneinfo
 from pathlib import Path
 
 from cards.files import HOST_NAME, File, files, own_name
-from cards.laserbot_txt import FILE, LONGEST, Mistake, parse
+from cards.laserbot_txt import FILE, LONGEST, Card, Mistake, parse
 
 ERRORS = "laserbot-errors.txt"
 
@@ -30,15 +31,24 @@ def main() -> int:
 
 
 def start(boot: Path, root: Path) -> None:
-    content, mistakes = _read(boot / FILE)
-    card, wrong = parse(content, zoneinfo.available_timezones())
-    mistakes += wrong
+    card, mistakes = read(boot)
     decided = files(card)
     if not (root / HOST_NAME[1:]).exists():
         decided.setdefault(HOST_NAME, File(f"{own_name(_serial(root))}\n"))
     for path, file in decided.items():
         _put(root / path[1:], file)
     _tell(boot / ERRORS, mistakes)
+
+
+def read(boot: Path) -> tuple[Card, list[Mistake]]:
+    """What the file on the first partition says, as far as this card can be it, and the file's mistakes."""
+    content, mistakes = _read(boot / FILE)
+    card, wrong = parse(content, zoneinfo.available_timezones())
+    mistakes += wrong
+    if card.role == "master":
+        mistakes.append(Mistake(0, "role = master: there is only a robot on this card"))
+        card = dataclasses.replace(card, role=None)
+    return card, mistakes
 
 
 def _read(path: Path) -> tuple[bytes, list[Mistake]]:

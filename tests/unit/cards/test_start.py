@@ -28,7 +28,7 @@ def root(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(
     "line, expected",
-    [("", "raspberrypi-cdef12"), ("name = raspberrypi7", "raspberrypi7"), ("role = master", "laser-bot-master")],
+    [("", "raspberrypi-cdef12"), ("name = raspberrypi7", "raspberrypi7")],
 )
 def test_a_host_has_a_name_of_its_own(line: str, expected: str, boot: Path, root: Path) -> None:
     (boot / "laserbot.txt").write_text(line)
@@ -101,6 +101,13 @@ def test_mistakes_are_told_beside_the_file_until_they_are_gone(
     (boot / "laserbot.txt").write_text("name = r1\n")
     start(boot, root)
     assert not (boot / ERRORS).exists()
+
+
+def test_a_robots_card_is_no_master_and_says_so(boot: Path, root: Path) -> None:
+    (boot / "laserbot.txt").write_text("role = master\n")
+    start(boot, root)
+    assert (boot / ERRORS).read_text() == "laserbot.txt: role = master: there is only a robot on this card\n"
+    assert (root / "etc/hostname").read_text() == "raspberrypi-cdef12\n"
 
 
 def test_a_card_without_the_file_or_even_its_partition_starts(boot: Path, root: Path) -> None:

@@ -1,0 +1,128 @@
+"""The robot's containers on a card: what laserbot.txt makes of them, and which the engine is given."""
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from cards.containers import LABEL, Container, containers
+from cards.laserbot_txt import Card
+from cards.run import EngineError, arrange
+
+DESCRIBED: dict[str, Container] = {
+    "robot": {
+        "Image": "rosberry:1",
+        "Env": ["LASERBOT_ROBOT_NAME=card", "LASERBOT_ARENA=", "LASERBOT_CAMERA=", "PATH=/usr/bin"],
+        "HostConfig": {"ReadonlyRootfs": True},
+    },
+    "camera": {"Image": "rosberry:1", "Env": ["LASERBOT_CAMERA=/dev/video0"], "Labels": {"title": "robot"}},
+    "camera-libcamera": {"Image": "rosberry:1", "Env": ["LASERBOT_CAMERA=libcamera"], "Labels": None},
+}
+
+
+class Engine:
+    """An engine of which only this much is known: images, and containers with their bodies and states."""
+
+    def __init__(self) -> None:
+        self.images: set[str] = set()
+        self.containers: dict[str, Any] = {}
+        self.changes: list[str] = []
+
+    def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
+        if method != "GET":
+            self.changes.append(f"{method} {path}")
+        match method, path.partition("?")[0].strip("/").split("/"):
+            case "GET", ["images", image, "json"]:
+                return (200, {}) if image in self.images else (404, {})
+            case "POST", ["images", "load"]:
+                self.images.add(body.read().decode())
+            case "GET", ["containers", name, "json"]:
+                return (200, self.containers[name]) if name in self.containers else (404, {})
+            case "POST", ["containers", "create"]:
+                if body["Image"] not in self.images:
+                    return 404, {"message": "no such image"}
+                self.containers[path.partition("=")[2]] = {"Config": body, "State": {"Status": "created"}}
+            case "POST", ["containers", name, "start"]:
+                self.containers[name]["State"]["Status"] = "running"
+            case "DELETE", ["containers", name]:
+                del self.containers[name]
+            case other:
+                raise AssertionError(other)
+        return 200, {}
+
+
+@pytest.fixture
+def image(tmp_path: Path) -> Path:
+    (tmp_path / "robot.tar").write_text("rosberry:1")
+    return tmp_path / "robot.tar"
+
+
+ANY = Card()
+
+
+def wanted(card: Card = ANY, host: str = "r1") -> dict[str, Container]:
+    return containers(card, host, DESCRIBED)
+
+
+def test_an_unchanged_card_runs_the_robot_that_looks_for_the_only_arena() -> None:
+    [(name, robot)] = wanted().items()
+    assert name == "laserbot-robot"
+    assert robot["Env"] == ["LASERBOT_ROBOT_NAME=r1", "LASERBOT_ARENA=", "LASERBOT_CAMERA=", "PATH=/usr/bin"]
+    assert robot["HostConfig"] == {"ReadonlyRootfs": True}
+
+
+@pytest.mark.parametrize("camera, rest", [("/dev/video2", {"title": "robot"}), ("libcamera", {})])
+def test_the_settings_reach_the_containers_that_know_them(camera: str, rest: dict[str, str]) -> None:
+    found = wanted(Card(arena="hall", camera=camera))
+    assert {"LASERBOT_ARENA=hall", f"LASERBOT_CAMERA={camera}"} <= set(found["laserbot-robot"]["Env"])
+    assert found["laserbot-camera"]["Env"] == [f"LASERBOT_CAMERA={camera}"]
+    assert {key: value for key, value in found["laserbot-camera"]["Labels"].items() if key != LABEL} == rest
+
+
+def test_the_first_start_loads_the_image_once_and_runs_all(image: Path) -> None:
+    engine = Engine()
+    arrange(engine, wanted(Card(camera="libcamera")), image)
+    assert engine.changes.count("POST /images/load?quiet=1") == 1
+    assert {name: found["State"]["Status"] for name, found in engine.containers.items()} == {
+        "laserbot-robot": "running",
+        "laserbot-camera": "running",
+    }
+
+
+def test_what_is_as_wanted_is_left_even_when_a_person_has_stopped_it(image: Path) -> None:
+    engine = Engine()
+    arrange(engine, wanted(), image)
+    engine.containers["laserbot-robot"]["State"]["Status"] = "exited"
+    engine.changes.clear()
+    arrange(engine, wanted(), image)
+    assert not engine.changes
+
+
+def test_a_start_that_was_cut_off_is_done_again(image: Path) -> None:
+    engine = Engine()
+    arrange(engine, wanted(), image)
+    engine.containers["laserbot-robot"]["State"]["Status"] = "created"
+    arrange(engine, wanted(), image)
+    assert engine.containers["laserbot-robot"]["State"]["Status"] == "running"
+
+
+def test_another_laserbot_txt_makes_other_containers(image: Path) -> None:
+    engine = Engine()
+    arrange(engine, wanted(Card(camera="libcamera")), image)
+    arrange(engine, wanted(Card(arena="hall"), "r2"), image)
+    [(name, robot)] = engine.containers.items()
+    assert name == "laserbot-robot"
+    assert {"LASERBOT_ARENA=hall", "LASERBOT_ROBOT_NAME=r2"} <= set(robot["Config"]["Env"])
+
+
+def test_what_ansible_has_deployed_stays(image: Path) -> None:
+    engine = Engine()
+    engine.containers = {"laserbot-robot": {"Config": {"Labels": None}, "State": {"Status": "exited"}}}
+    arrange(engine, wanted(), image)
+    assert not engine.changes
+
+
+def test_what_the_engine_refuses_is_told(image: Path) -> None:
+    image.write_text("another:1")
+    with pytest.raises(EngineError, match=r"POST /containers/create.*no such image"):
+        arrange(Engine(), wanted(), image)
