@@ -1,0 +1,94 @@
+"""A whole Raspberry Pi 3 in QEMU, with a card in its slot and its network at a port of this machine."""
+
+import json
+import os
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from tests.support.polling import until
+from tests.support.ports import free_port
+
+FIRST_PARTITION = 8192 * 512  # bytes
+SIZE = 4 << 30  # bytes of a card; QEMU asks for a power of two
+START = 900.0  # s of a quiet machine until it can be logged in to; 145 were measured
+
+
+def card_file(image: Path, name: str) -> bytes:
+    """A file of a card's first partition."""
+    return _mtools("mtype", image, f"::{name}")
+
+
+def put_card_file(image: Path, name: str, content: bytes) -> None:
+    _mtools("mcopy", image, "-o", "-", f"::{name}", content=content)
+
+
+def _mtools(program: str, image: Path, *arguments: str, content: bytes = b"") -> bytes:
+    command = [program, "-i", f"{image}@@{FIRST_PARTITION}", *arguments]
+    return subprocess.run(command, input=content, stdout=subprocess.PIPE, check=True).stdout
+
+
+class RaspberryPi:
+    """One that can be switched on and off as often as one likes. It keeps what it writes to its card."""
+
+    def __init__(self, folder: Path, card: Path, key: Path) -> None:
+        """`card`: an image of its own, which grows to SIZE. `key`: the private SSH key that opens it."""
+        self._folder = folder
+        self._key = key
+        # raw, as what was written to another format may be lost when the emulator is killed
+        self._card = card
+        os.truncate(card, SIZE)
+        for name in ("vmlinuz", "initrd", "bcm2837-rpi-3-b.dtb"):  # what the Pi's own firmware would load
+            (folder / name).write_bytes(card_file(card, name))
+        self._words = card_file(card, "cmdline.txt").decode().strip()
+        self._ssh_port = free_port()
+
+    @contextmanager
+    def on(self) -> Iterator[None]:
+        """Until the plug is pulled, at the end."""
+        boot = ["-kernel", "vmlinuz", "-initrd", "initrd", "-dtb", "bcm2837-rpi-3-b.dtb"]
+        # QEMU's watchdog resets the Pi as soon as it is started; its network card is busy while a wrong driver tries it
+        emulated = "console=ttyAMA0,115200 systemd.watchdog_sec=off modprobe.blacklist=cdc_subset"
+        words = ["-append", f"{self._words} {emulated}"]
+        disk = ["-drive", f"if=sd,format=raw,file={self._card}"]
+        network = [f"user,id=lan,restrict=on,hostfwd=tcp:127.0.0.1:{self._ssh_port}-:22"]
+        lan = ["-netdev", *network, "-device", "usb-net,netdev=lan"]
+        screen = ["-display", "none", "-serial", f"file:{self._folder / 'serial.log'}", "-monitor", "none"]
+        machine = ["qemu-system-aarch64", "-M", "raspi3b", "-m", "1G", "-no-reboot"]
+        command = [*machine, *boot, *words, *disk, *lan, *screen]
+        self._pi = subprocess.Popen(command, cwd=self._folder, stdin=subprocess.DEVNULL)
+        try:
+            yield
+        finally:
+            self._pi.kill()
+            self._pi.wait()
+
+    def run(self, command: str) -> str:
+        """What a command of the user pi prints, as soon as the Pi lets one log in. AssertionError if it fails."""
+
+        def attempt() -> subprocess.CompletedProcess[str] | None:
+            assert self._pi.poll() is None, "the Raspberry Pi has switched itself off"
+            result = self._ssh(command)
+            return None if result.returncode == 255 else result  # 255 is ssh's own
+
+        try:
+            result = until(attempt, START, "the Raspberry Pi lets nobody log in")
+        except AssertionError as error:
+            error.add_note((self._folder / "serial.log").read_text(errors="replace")[-2000:])
+            raise
+        assert result.returncode == 0, result.stderr
+        return result.stdout
+
+    def _ssh(self, command: str) -> subprocess.CompletedProcess[str]:
+        options = ["BatchMode=yes", "StrictHostKeyChecking=no", f"UserKnownHostsFile={self._folder / 'known_hosts'}"]
+        options += ["ConnectTimeout=60", "LogLevel=ERROR"]
+        words = [word for option in options for word in ("-o", option)]
+        target = ["-i", str(self._key), "-p", str(self._ssh_port), "pi@127.0.0.1"]
+        return subprocess.run(["ssh", *words, *target, command], capture_output=True, text=True, check=False)
+
+
+def partitions(image: Path) -> list[dict[str, object]]:
+    """Of a disk, as sfdisk lists them."""
+    printed = subprocess.run(["sfdisk", "--json", str(image)], stdout=subprocess.PIPE, check=True).stdout
+    return list(json.loads(printed)["partitiontable"]["partitions"])
