@@ -30,6 +30,15 @@ def containers(machine: Machine) -> None:
     machine.ip("link", "set", "vboxnet0", "up")
 
 
+def stick(machine: Machine) -> None:
+    """A 4G stick that is a router: the way into the internet, with a network of its own for this machine alone."""
+    machine.ip("link", "add", "usb0", "type", "veth", "peer", "name", "inside-stick")
+    machine.ip("addr", "add", "192.168.8.100/24", "dev", "usb0")
+    for end in ("usb0", "inside-stick"):
+        machine.ip("link", "set", end, "up")
+    machine.ip("route", "replace", "default", "via", "192.168.8.1")
+
+
 def second_network(lan: Lan, machine: Machine, name: str = "wlan0") -> Machine:
     """Another machine, in a network of its own with this one: 192.168.4.1 is the machine, 192.168.4.2 the other."""
     other = lan.machine()

@@ -110,6 +110,16 @@ def test_players_come_by_ipv6_alone_and_robots_by_ipv4(lan: Lan, tmp_path: Path)
 
 
 @pytest.mark.slow
+def test_a_4g_stick_beside_the_wifi_keeps_no_robot_away(lan: Lan, tmp_path: Path) -> None:
+    on_master, on_robot = lan.machine(), lan.machine()
+    networks.stick(on_master)
+    with LanMaster(on_master, "hall", tmp_path) as master, LanRobot(on_robot, tmp_path) as robot:
+        robot.wait_for("arena 'hall' at 10.9.0.1, announced")
+        master.has_robot()
+        assert heard_from(on_robot, "10.9.0.1") == "10.9.0.1"
+
+
+@pytest.mark.slow
 def test_another_address_by_dhcp_is_the_lans_again_and_never_the_vpns(lan: Lan, tmp_path: Path) -> None:
     on_master, on_robot = lan.machine(), lan.machine()
     networks.vpn(on_master)
