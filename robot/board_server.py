@@ -13,6 +13,7 @@ from collections.abc import Iterator
 
 from laser_bot_battle import alive, variables
 from laser_bot_battle.child import stop, until_signalled
+from laser_bot_battle.listening import Listener
 from laser_bot_battle.token_bucket import TokenBuckets
 from robot.keeper import Heart
 from robot.serial.connection import inherited, listen
@@ -64,11 +65,12 @@ class BoardServer:
         _log.info("ending")
         return 0
 
-    async def _accept(self, listener: socket.socket) -> None:
+    async def _accept(self, listener: Listener) -> None:
         loop = asyncio.get_running_loop()
         while True:
             try:
-                peer, (machine, *_) = await loop.sock_accept(listener)
+                # mypy expects a socket, and it does all that is asked of one
+                peer, (machine, *_) = await loop.sock_accept(listener)  # type: ignore[arg-type]
             except OSError as error:  # too many open files, or a peer that was quick to leave
                 _log.warning("cannot take a connection: %s", error.strerror)
                 await asyncio.sleep(1)

@@ -14,6 +14,8 @@ import termios
 import time
 from collections.abc import Sequence
 
+from laser_bot_battle.listening import Listener, bind
+
 BAUDRATE = 2_000_000  # at which a board is written to
 SLOWEST = 100_000  # at which half a frame may go on; what is lost by radio is sent again
 MAX_RATE = 250_000  # bytes/s that are read from one; what comes faster waits on the board
@@ -36,22 +38,22 @@ def listening_address(devices: Sequence[str]) -> tuple[str, int] | None:
     return host.strip("[]"), int(port)
 
 
-def listen(host: str, port: int) -> socket.socket:
-    """Does not block, and nor do those that it accepts; OSError."""
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    listener = socket.create_server((host, port), family=family, backlog=BACKLOG)
-    listener.setblocking(False)
+def listen(host: str, port: int) -> Listener:
+    """At `host`, everywhere if it is empty, by IPv4 and by IPv6. Does not block; OSError."""
+    listener = bind(host or "0.0.0.0", port)
     # those that are accepted inherit it
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in _KEEP_ALIVE.items():
         listener.setsockopt(socket.IPPROTO_TCP, option, value)
+    listener.listen(BACKLOG)
+    listener.setblocking(False)
     return listener
 
 
 def inherited(peer: socket.socket) -> str:
     """How a program is told of the connection, whose file it must inherit."""
     host, port = peer.getpeername()[:2]
-    return f"{_SCHEME}{host}:{port}#{peer.fileno()}"
+    return f"{_SCHEME}{f'[{host}]' if ':' in host else host}:{port}#{peer.fileno()}"
 
 
 def is_inherited(device: str) -> bool:

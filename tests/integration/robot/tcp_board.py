@@ -24,17 +24,18 @@ class TcpBoard:
         address: str = "127.0.0.1",
         answers: bool = True,
     ) -> None:
-        """`address`: its own."""
+        """`address`: its own; it decides by which of IPv4 and IPv6 it connects."""
         self.answers = answers
         self.received = bytearray()
         self.frames: list[Frame] = []
         self.closed = False  # by the other side
         self._topics = [(0, info) for info in publishers] + [(1, info) for info in subscribers]
-        self._socket = socket.socket()
+        family, here = (socket.AF_INET6, "::1") if ":" in address else (socket.AF_INET, "127.0.0.1")
+        self._socket = socket.socket(family)
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # such a board has no more
         self._socket.settimeout(10)
         self._socket.bind((address, 0))
-        self._socket.connect(("127.0.0.1", port))
+        self._socket.connect((here, port))
         self._reading = threading.Lock()
         self._thread = threading.Thread(target=self._run, name="board")
 

@@ -89,9 +89,9 @@ def test_each_board_is_a_robot_of_its_own_and_the_end_of_the_program_ends_all(
     with TcpBoard(port) as first:
         until(lambda: "ID=0" in pinged(web))
         ids.give("1")
-        with TcpBoard(port, address="127.0.0.2") as second:
+        with TcpBoard(port, address="::1") as second:
             server.wait_for("/Robot1/command")
-            assert ids.callers == [f"/id_service_client_board_127_0_0_{number}" for number in (1, 2)]
+            assert ids.callers == [f"/id_service_client_board_{address}" for address in ("127_0_0_1", "__1")]
             start("tests.integration.robot.peers", "publish", "/Robot1/command", "0.1", "1", "1", "1", "0")
             until(lambda: b"\1\1\0" in second.commands())
             assert first.commands() == []
