@@ -55,6 +55,10 @@ class Started:
         for source in container.get("envFrom", []):
             self.given |= set(self.manifests.one("ConfigMap", source["configMapRef"]["name"]).get("data", ()))
 
+    def memory(self, what: str) -> int:
+        """MiB of its `requests` or `limits`."""
+        return int(self.container["resources"][what]["memory"].removesuffix("Mi"))
+
 
 @pytest.fixture
 def started(name: str, namespace: str, pod: Object, container: Object) -> Started:
@@ -216,18 +220,22 @@ def test_its_resources_are_bounded(started: Started) -> None:
     assert set(resources["requests"]) == set(resources["limits"]) == {"cpu", "memory"}
 
 
-# MiB that the programs have used at most, in battles on a cluster of two nodes
-PEAKS = {"robot": 75, "arduino": 21, "web": 135, "rosbridge": 61, "ros-master": 53, "arena": 47, "bot": 51}
-PEAKS |= {"front": 31, "positions": 54}  # in the containers of the pods here
+# MiB that the programs have used at most in battles: on a cluster of two nodes, in the containers of the pods here, and
+# in the demo, with a page that shows what the robots see
+PEAKS = {"robot": 75, "arduino": 21, "web": 135, "rosbridge": 61, "ros-master": 53, "bot": 51}
+PEAKS |= {"front": 31, "positions": 54}
+PEAKS |= {"arena": 112, "camera-relay": 48, "overhead": 77, "rosout": 43, "bots": 34, "announcer": 31}
+
+
+@every_container
+def test_it_asks_for_the_memory_that_it_needs_and_a_fifth_or_a_bit_more(started: Started) -> None:
+    peak = PEAKS[started.container["name"]]
+    assert math.ceil(1.2 * peak) <= started.memory("requests") <= 1.5 * peak
 
 
 @also_those_of_others
-def test_it_asks_for_the_memory_that_it_needs_and_a_fifth(started: Started) -> None:
-    name, resources = started.container["name"], started.container["resources"]
-    request, limit = (int(resources[what]["memory"].removesuffix("Mi")) for what in ("requests", "limits"))
-    if name in PEAKS:
-        assert request == math.ceil(1.2 * PEAKS[name])
-    assert 2 * request <= limit
+def test_it_may_use_twice_the_memory_that_it_asks_for(started: Started) -> None:
+    assert 2 * started.memory("requests") <= started.memory("limits")
 
 
 def test_virtual_robots_have_the_ids_that_are_painted_on_them() -> None:
