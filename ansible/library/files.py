@@ -88,6 +88,8 @@ def write(module: AnsibleModule, file: dict[str, Any]) -> None:
 def bring_up_to_date(module: AnsibleModule, file: dict[str, Any], diffs: list[dict[str, str]]) -> bool:
     """Whether something was or would be changed."""
     path, content = file["path"], file["content"]
+    if content is None:
+        path = os.path.realpath(path)  # a folder may be a link to another disk
     changed = make_folder(module, path if content is None else os.path.dirname(path))
     if content is not None:
         before = read(path)

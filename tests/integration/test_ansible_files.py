@@ -65,6 +65,17 @@ def test_what_somebody_has_changed_is_mended(tmp_path: Path) -> None:
     assert (settings.is_symlink(), elsewhere.read_text()) == (False, "speed=1\n")
 
 
+def test_a_folder_may_be_a_link_to_another_disk(tmp_path: Path) -> None:
+    disk, folder = tmp_path / "disk", tmp_path / "data"
+    disk.mkdir(0o755)
+    folder.symlink_to(disk)
+    file = {"path": str(folder), "mode": "0700", "owner": os.getuid()}
+    assert write(file)["changed"]
+    assert mode(disk) == 0o700
+    assert not write(file)["changed"]
+    assert folder.is_symlink()
+
+
 def test_a_file_that_would_be_wrong_is_not_written(tmp_path: Path) -> None:
     settings = tmp_path / "speed.conf"
     answer = write({"path": str(settings), "content": "sped=1\n", "validate": "grep speed %s"})
