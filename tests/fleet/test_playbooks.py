@@ -70,6 +70,21 @@ def test_a_robot_that_is_off_and_known_by_name_stops_a_deploy_but_no_update(
     assert rehearsal.master.run(rules) == before
 
 
+def test_what_somebody_has_closed_is_open_again_and_nothing_else_changes(rehearsal: Rehearsal) -> None:
+    """What the hosts were like before the fleet stays noted."""
+    master, robot = rehearsal.master, rehearsal.robots[0]
+    note = "sha256sum /etc/laserbot/before.json /etc/laserbot/before.tar"
+    before = robot.run(note)
+    robot.run("chmod 700 /etc/laserbot")
+    master.run("chmod 600 /etc/laserbot/tls/front.crt /etc/docker/registry/tls/registry.crt")
+    assert changed_tasks(rehearsal.playbook("deploy").output) == [
+        "host : Make the fleet's folder",
+        "registry : Make the registry's certificate",
+        "master : Make or renew the front's certificate",
+    ]
+    assert robot.run(note) == before
+
+
 def test_a_dry_run_changes_and_reports_nothing(rehearsal: Rehearsal) -> None:
     run = rehearsal.playbook("deploy", "--check", "--diff")
     assert run.changed == 0, run.output
