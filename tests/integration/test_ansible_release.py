@@ -1,0 +1,66 @@
+"""ansible/roles/release: which services of a host are run anew, and which its image has no program for."""
+
+import json
+import subprocess
+from collections.abc import Mapping
+from typing import Any
+
+from tests.support.programs import ROOT
+
+ROLE = ROOT / "ansible/roles/release"
+IMAGE = "registry/webserver@sha256:1"
+WEB: dict[str, Any] = {
+    "name": "laserbot-web",
+    "command": ["python3", "-m", "server.main"],
+    "env": {"LASERBOT_SEATS": "4"},
+}
+BOTS: dict[str, Any] = {"name": "laserbot-bots", "command": ["python3", "-m", "server.bots"], "env": {}}
+ROBOT: dict[str, Any] = {"name": "laserbot-robot", "env": {}}  # what its image runs by itself
+SERVICES = [WEB, BOTS, ROBOT]
+NAMES = [service["name"] for service in SERVICES]
+
+
+def told(expression: str, **variables: object) -> Any:
+    """What the expression is, with the role's variables and these."""
+    known = {"role_path": str(ROLE), "release_image": IMAGE, "release_services": SERVICES, **variables}
+    run = subprocess.run(
+        [
+            *(ROOT / ".venv/bin/ansible", "localhost", "--inventory=localhost,", "--connection=local", "--one-line"),
+            *("--module-name=ansible.builtin.debug", f"--args=msg={{{{ {expression} }}}}"),
+            *(f"--extra-vars={each}" for each in (f"@{ROLE}/vars/main.yml", json.dumps(known))),
+        ],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert run.returncode == 0, run.stdout + run.stderr
+    return json.loads(run.stdout.partition("=>")[2])["msg"]
+
+
+def to_run(*containers: str, **variables: object) -> list[str]:
+    """Names of the services that are run anew beside these containers, as `docker ps` lists them."""
+    names: list[str] = told(
+        "release_to_run|map(attribute='name')", release_found={"stdout_lines": containers}, **variables
+    )
+    return names
+
+
+def test_only_a_healthy_service_of_the_same_definition_is_left_alone() -> None:
+    marks: Mapping[str, str] = told("release_made_from")
+    known = {name: f"{name} {marks[name]}" for name in NAMES}
+    same = [f"{each} Up 3 hours (healthy)" for each in known.values()]
+    assert to_run(*same) == []
+    assert to_run(*same, release_image="registry/webserver@sha256:2") == NAMES
+    other = [{**WEB, "env": {"LASERBOT_SEATS": "5"}}, BOTS, ROBOT]
+    assert to_run(*same, release_services=other) == ["laserbot-web"]
+    ill = (
+        f"{known['laserbot-web']} Up 3 hours (unhealthy)",
+        f"{known['laserbot-bots']} Exited (0) 2 minutes ago",
+        "laserbot-robot  Up 3 hours (healthy)",  # made by an earlier version of the role
+    )
+    assert to_run(*ill) == NAMES
+
+
+def test_a_service_whose_program_the_image_lacks_is_known() -> None:
+    assert told("release_ask + release_programs.values()")[-2:] == ["server.main", "server.bots"]
+    assert told("release_lacking", release_lacks={"stdout": "server.bots\n"}) == ["laserbot-bots"]
