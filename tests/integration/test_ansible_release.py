@@ -5,6 +5,8 @@ import subprocess
 from collections.abc import Mapping
 from typing import Any
 
+import yaml
+
 from tests.support.programs import ROOT
 
 ROLE = ROOT / "ansible/roles/release"
@@ -64,3 +66,10 @@ def test_only_a_healthy_service_of_the_same_definition_is_left_alone() -> None:
 def test_a_service_whose_program_the_image_lacks_is_known() -> None:
     assert told("release_ask + release_programs.values()")[-2:] == ["server.main", "server.bots"]
     assert told("release_lacking", release_lacks={"stdout": "server.bots\n"}) == ["laserbot-bots"]
+
+
+def test_a_run_that_is_broken_off_leaves_no_service_without_what_restarts_it() -> None:
+    """The next run does nothing where all services are healthy."""
+    names = [task["name"] for task in yaml.safe_load((ROLE / "tasks/services.yml").read_text())]
+    restart = names.index("Restart what crashes, even if stop.yml had stopped the services")
+    assert restart < names.index("Run the service")
