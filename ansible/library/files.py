@@ -26,6 +26,10 @@ options:
       content:
         description: What it holds. Without it, the path is a folder.
         type: str
+      once:
+        description: Whether it belongs to the host from then on. A file that is there keeps its content.
+        type: bool
+        default: false
       mode:
         description: Its mode. The default is 0755 for a folder, else 0644.
         type: str
@@ -48,6 +52,7 @@ EXAMPLES = """
 FILE = {
     "path": {"type": "path", "required": True},
     "content": {"type": "str"},
+    "once": {"type": "bool", "default": False},
     "mode": {"type": "str"},
     "owner": {"type": "int"},
     "validate": {"type": "str"},
@@ -93,7 +98,7 @@ def bring_up_to_date(module: AnsibleModule, file: dict[str, Any], diffs: list[di
     changed = make_folder(module, path if content is None else os.path.dirname(path))
     if content is not None:
         before = read(path)
-        if before != content.encode():
+        if before is None or (before != content.encode() and not file["once"]):
             changed = True
             diffs.append(
                 {

@@ -76,6 +76,18 @@ def test_a_folder_may_be_a_link_to_another_disk(tmp_path: Path) -> None:
     assert folder.is_symlink()
 
 
+def test_what_belongs_to_the_host_keeps_its_content(tmp_path: Path) -> None:
+    floor = tmp_path / "floor.json"
+    first = {"path": str(floor), "content": "{}", "once": True}
+    assert write(first)["changed"]
+    floor.write_text("another")
+    assert not write(first)["changed"]
+    assert floor.read_text() == "another"
+    floor.chmod(0o600)
+    assert write(first)["changed"]
+    assert (floor.read_text(), mode(floor)) == ("another", 0o644)
+
+
 def test_a_file_that_would_be_wrong_is_not_written(tmp_path: Path) -> None:
     settings = tmp_path / "speed.conf"
     answer = write({"path": str(settings), "content": "sped=1\n", "validate": "grep speed %s"})

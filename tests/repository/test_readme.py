@@ -75,6 +75,17 @@ def test_compose_passes_ros_variables_to_robots_and_the_address_to_their_master(
         assert [SERVICES[service]["environment"][name] for name in ("ROS_IP", "ROS_HOSTNAME")] == [None, None]
 
 
+def test_the_desk_of_compose_writes_the_floors_that_others_only_read() -> None:
+    """Their folder, not one file: a floor is put in another's place, which the others would not see."""
+    mounts = {
+        name: volume.removeprefix("./floors:/etc/laserbot/floors")
+        for name, service in SERVICES.items()
+        for volume in service.get("volumes", [])
+        if "floors" in volume
+    }
+    assert mounts == {"web": "", "demo-web": "", "overhead": ":ro", "arena": ":ro"}
+
+
 def test_there_is_one_version() -> None:
     assert set(re.findall(r"LASERBOT_VERSION:-([^}]+)}", COMPOSE)) == {version()}
     assert json.loads((ROOT / "package.json").read_text())["version"] == version()
