@@ -1,9 +1,10 @@
 """The editor of the floor at the operator's desk."""
 
+import json
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page, Route, expect
 
 from laser_bot_battle.floor import read_floor
 from tests.browser.axe import Looks
@@ -71,6 +72,27 @@ def test_what_is_wrong_is_told_beside_it_and_undone(editor: Page, played: Played
     editor.get_by_role("button", name="Undo").click()
     expect(row.locator(".floor-error")).to_be_hidden()
     assert played.floor.read_bytes() == before
+
+
+def test_where_the_server_cannot_write_the_file_it_is_downloaded(editor: Page, played: Played) -> None:
+    def read_only(route: Route) -> None:
+        response = route.fetch()
+        route.fulfill(response=response, json=response.json() | {"is_writable": False})
+
+    save, state = editor.get_by_role("button", name="Save the floor"), editor.locator("#floor-state")
+    expect(save).to_be_visible()
+    editor.route("**/operator/api/floor", read_only)
+    editor.get_by_role("button", name="Load again").click()
+    expect(editor.locator("#floor-source")).to_contain_text(f"cannot write {played.floor}")
+    expect(editor.locator("#floor-source")).to_contain_text("ConfigMap")
+    expect(save).to_be_hidden()
+    editor.locator("#floor-width").fill("3.9")
+    expect(state).to_contain_text("press Download")
+    with editor.expect_download() as started:
+        editor.get_by_role("button", name="Download").click()
+    assert started.value.suggested_filename == played.floor.name
+    assert json.loads(started.value.path().read_text())["width"] == 3.9
+    expect(state).to_have_text("Nothing has been changed.")
 
 
 def test_everybody_can_use_it(editor: Page, look: Looks) -> None:

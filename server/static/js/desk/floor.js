@@ -60,7 +60,7 @@ export class FloorEditor {
     byId("floor-add").addEventListener("click", ({ target }) => this.#add(target.closest("button")?.dataset.add));
     byId("floor-undo").addEventListener("click", () => this.#undo());
     byId("floor-load").addEventListener("click", () => this.#loadAgain());
-    byId("floor-download").addEventListener("click", () => this.#history && download(this.#history.plan));
+    byId("floor-download").addEventListener("click", () => this.#history && this.#download());
     byId("floor-save").addEventListener("click", () => this.#why() === "" && this.#act(() => this.#save()));
     for (const side of ["width", "height"]) {
       byId(`floor-${side}`).addEventListener("input", ({ target }) => {
@@ -95,6 +95,8 @@ export class FloorEditor {
     this.#selected = null;
     const { name, path, is_writable: isWritable } = this.#known;
     setText(byId("floor-source"), t(isWritable ? "floor.is_file" : name ? "floor.is_own" : "floor.is_read_only", { name, path }));
+    byId("floor-save").hidden = !isWritable;
+    byId("floor-download").classList.toggle("quiet", isWritable); // else it is what one comes for
     byId("floor-editor").hidden = false;
     this.#changed();
   }
@@ -136,6 +138,15 @@ export class FloorEditor {
     this.#history.save(plan);
     this.#show();
     dialogs.toast(t("floor.saved"));
+  }
+
+  #download() {
+    const { plan } = this.#history;
+    const { name, path, is_writable: isWritable } = this.#known;
+    download(plan, name ? "laserbot-floor.json" : path.split("/").at(-1));
+    if (isWritable) return;
+    this.#history.save(plan); // as far as that goes here: nothing is lost when the page is left
+    this.#show();
   }
 
   #add(kind) {
@@ -195,9 +206,9 @@ export class FloorEditor {
   /** Why it cannot be saved now; "" if it can. */
   #why() {
     if (!this.#history?.isChanged) return t("floor.no_change");
-    if (!this.#known.is_writable) return t("floor.not_here");
     if (this.#problems.length) return t("floor.problems", { n: this.#problems.length });
     if (!this.#isChecked) return t("floor.checking");
+    if (!this.#known.is_writable) return t("floor.not_here");
     return this.#battles ? t("desk.check_battle") : "";
   }
 
@@ -209,8 +220,8 @@ export class FloorEditor {
   }
 }
 
-function download(plan) {
-  const link = element("a", { href: URL.createObjectURL(new Blob([plans.toFile(plan)], { type: "application/json" })), download: "laserbot-floor.json" });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+function download(plan, name) {
+  const url = URL.createObjectURL(new Blob([plans.toFile(plan)], { type: "application/json" }));
+  element("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 1000);
 }
