@@ -34,7 +34,7 @@ WATCH = """() => {
   let last = null;
   const look = () => {
     requestAnimationFrame(look);
-    own.drawImage(canvas, 0, 0);
+    own.drawImage(canvas, 0, 0, 320, 240);  // the page may have enlarged the picture
     const {data} = own.getImageData(0, 0, 256, 32);
     const bytes = [0, 0, 0, 0];
     for (let square = 0; square < 32; square++) {

@@ -1,6 +1,8 @@
 """Both ends of a rosbridge under test: ROS on one, WebSockets on the other."""
 
+import contextlib
 import hashlib
+import itertools
 import json
 import os
 import signal
@@ -8,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from types import TracebackType
 from typing import Any, Self
 
@@ -162,6 +164,28 @@ class Client:
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+
+def join(publish: Callable[[Any], object], listener: Client, data: Callable[[int], Any] = str) -> Any:
+    """Publish `data` of 0, 1, ... until the listener hears the newest: all before it have come, or never will.
+
+    Returns the newest.
+    """
+    numbers = itertools.count()
+    newest: Any = None
+
+    def heard() -> bool:
+        nonlocal newest
+        newest = data(next(numbers))
+        publish(newest)
+        with contextlib.suppress(TimeoutError):
+            while listener.hear(0.3)["msg"]["data"] != newest:
+                pass
+            return True
+        return False
+
+    until(heard, 20, "the publisher and the listener have found each other")
+    return newest
 
 
 def player(name: str, token: str, robot: int, life: int = 100, ready: bool = True) -> dict[str, Any]:

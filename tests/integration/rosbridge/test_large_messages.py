@@ -13,7 +13,7 @@ import pytest
 from server.rosbridge.compression import to_png
 from server.rosbridge.fragments import split
 from tests.integration.rosbridge.conftest import Rosbridge
-from tests.integration.rosbridge.ends import Client, RosSide
+from tests.integration.rosbridge.ends import Client, RosSide, join
 from tests.support.polling import until
 from tests.support.ros import RosMaster
 
@@ -32,12 +32,6 @@ def cells(number: int, count: int = CELLS) -> dict[str, list[int]]:
 def first_cells(page: Client, count: int) -> list[int]:
     """Of the next maps; an assertion about whole ones would print them."""
     return [page.hear(20)["msg"]["data"][0] for _ in range(count)]
-
-
-def knows(ros: RosSide, topic: str, page: Client) -> bool:
-    """The ROS side's publisher has found the page."""
-    ros.publish(topic, MAP, data=[])
-    return not page.hears_nothing_for_now(0.1)
 
 
 def is_there(client: Client, service: str) -> bool:
@@ -103,7 +97,7 @@ def test_who_comes_later_gets_the_latched_map(client: Connect, topic: str, page:
 def test_nobody_waits_for_a_map_but_the_topic(
     topic: str, client: Connect, ros: RosSide, page: Client, frozen: psutil.Process
 ) -> None:
-    until(lambda: knows(ros, topic, page), 20)
+    join(lambda data: ros.publish(topic, MAP, data=data), page, lambda number: [number])
     for message in (cells(1), cells(2, 5)):
         ros.publish(topic, MAP, **message)
     page.say("subscribe", topic="/say", type=TEXT)

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 from tests.integration.rosbridge.conftest import Rosbridge
-from tests.integration.rosbridge.ends import Client, RosSide
+from tests.integration.rosbridge.ends import Client, RosSide, join
 from tests.support.bare import BareClient
 from tests.support.polling import until
 
@@ -28,24 +28,13 @@ def answers(reader: BareClient, count: int) -> list[dict[str, Any]]:
     return [reader.hear() for _ in range(count)]
 
 
-def heard_by(watcher: Client, ros: RosSide, topic: str) -> None:
-    """The topic's publisher and its subscriber have found each other, and the watcher has no more of it to read."""
-
-    def connected() -> bool:
-        ros.publish(topic, TEXT, data="")
-        return not watcher.hears_nothing_for_now(0.1)
-
-    until(connected)
-    until(watcher.hears_nothing_for_now)
-
-
 @pytest.mark.parametrize("queue_length", [0, 10])
 def test_a_burst_of_long_messages_comes_whole(
     ros: RosSide, late: BareClient, client: Connect, queue_length: int
 ) -> None:
     topic, watcher = f"/burst{queue_length}", client().operate()
     watcher.say("subscribe", topic=topic, type=TEXT, queue_length=1)
-    heard_by(watcher, ros, topic)
+    join(lambda data: ros.publish(topic, TEXT, data=data), watcher)
     late.say("subscribe", topic=topic, type=TEXT, queue_length=queue_length)
     late.say("call_service", service="/add_new_robot")
     assert late.hear()["result"] is True  # so it is subscribed

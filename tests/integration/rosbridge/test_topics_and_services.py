@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from tests.integration.rosbridge.ends import Client, RosSide
+from tests.integration.rosbridge.ends import Client, RosSide, join
 from tests.integration.tcpros.ends import RospyPeer
 from tests.support.polling import until
 from tests.support.ports import free_port
@@ -110,13 +110,10 @@ def test_what_one_publishes_all_subscribers_get_until_they_unsubscribe(client: C
         listener.say("subscribe", topic="chat", type="std_msgs/String", id="s")
     speaker.say("advertise", topic="/chat", type="std_msgs/String")
 
-    def connected() -> bool:
-        speaker.say("publish", topic="/chat", msg={"data": "hello"})
-        return not first.hears_nothing_for_now()
-
-    until(connected)
+    newest = join(lambda data: speaker.say("publish", topic="/chat", msg={"data": data}), first)
     # each by the name that it used itself
-    assert second.hear() == {"op": "publish", "topic": "chat", "msg": {"data": "hello"}}
+    while (heard := second.hear()) != {"op": "publish", "topic": "chat", "msg": {"data": newest}}:
+        assert heard["topic"] == "chat"
     second.say("unsubscribe", topic="chat", id="s")
     second.say("call_service", service="/add_new_robot", id="after that")
     assert second.hear()["id"] == "after that"
@@ -252,13 +249,10 @@ def test_throttled_messages_come_no_faster_and_queued_ones_are_not_lost(ros: Ros
     throttled.say("subscribe", topic="/fast", type="std_msgs/Int32", throttle_rate=300)
     queued.say("subscribe", topic="/fast", type="std_msgs/Int32", throttle_rate=100, queue_length=10)
 
-    def connected() -> bool:
-        ros.publish("/fast", "std_msgs/Int32", data=0)
-        return not queued.hears_nothing_for_now()
-
-    until(connected)
-    until(queued.hears_nothing_for_now)
-    until(throttled.hears_nothing_for_now)
+    newest = join(lambda data: ros.publish("/fast", "std_msgs/Int32", data=data), queued, lambda number: -number)
+    while throttled.hear()["msg"]["data"] != newest:
+        pass
+    assert throttled.hears_nothing(), "the next one need not wait"
     start = time.monotonic()
     for number in range(1, 6):
         ros.publish("/fast", "std_msgs/Int32", data=number)
