@@ -51,7 +51,7 @@ class GameLoop:
 
     def add_recorder(self, recorder: Recorder) -> None:
         """To be called before `start`. It gets all that is decided, in order, with the state after it in JSON's types;
-        from the thread of the listeners, before them."""
+        from the thread of the listeners, after them, who would wait for what it sets going."""
         self._recorders.append(recorder)
 
     def start(self) -> None:
@@ -212,6 +212,9 @@ class GameLoop:
                 journal = self._referee.take_journal()
                 saved = self._referee.saved(now) if journal else {}
                 battle = self._latest.battle
+            for snapshot in snapshots:
+                self._tell(snapshot)
+                told_at = now
             for recorded in journal:
                 about = {"event": kind_of(recorded.event), "battle": battle}
                 if hasattr(recorded.event, "robot"):
@@ -219,9 +222,6 @@ class GameLoop:
                 _log.info("%s", recorded.event, extra={"fields": about})
             if journal:
                 self._record(journal, saved)
-            for snapshot in snapshots:
-                self._tell(snapshot)
-                told_at = now
 
     def _seconds_until_next(self, heartbeat: float) -> float:
         deadline = self._referee.next_deadline()

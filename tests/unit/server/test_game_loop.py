@@ -184,3 +184,15 @@ def test_what_happens_is_logged(battle, run, caplog):
     run()
     add_linked_robot(battle)
     until(lambda: "robot 0 registered by an unnamed client" in caplog.text)
+
+
+def test_nobody_who_listens_waits_for_what_is_recorded(battle, run):
+    told: list[str] = []
+    battle.add_recorder(lambda journal, _: told.append(f"recorded {len(journal)}"))
+    battle.add_listener(lambda snapshot: told.append(f"{len(snapshot.players)} players"))
+    add_linked_robot(battle)
+    battle.sign_up("ada", "s", 0)
+    run()
+    until(lambda: any(each.startswith("recorded") for each in told))
+    first = next(place for place, each in enumerate(told) if each.startswith("recorded"))
+    assert "1 players" in told[:first]
