@@ -5,6 +5,7 @@ from typing import Any
 from laser_bot_battle.names import robot_name
 from server.game.bots import bots
 from server.game.desk import why_no_start
+from server.game.places import RULES as RULES_OF_PLACE
 from server.game.presets import BUILT_IN
 from server.game.rules import DECLARED, Rules
 from server.game.snapshot import Snapshot
@@ -12,8 +13,11 @@ from server.game.state import State
 from server.game.tournament_view import tournament_view
 
 
-def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, now: float) -> dict[str, Any]:
-    """`snapshot` is that of the same moment, `configured` are the rules without what operators have changed."""
+def overview(
+    state: State, rules: Rules, configured: Rules, snapshot: Snapshot, now: float, *, places_known: bool
+) -> dict[str, Any]:
+    """`snapshot` is that of the same moment, `configured` are the rules without what operators have changed.
+    `places_known`: somebody tells where the robots are."""
     return {
         "game": {
             "state": state.game.name.lower(),
@@ -53,6 +57,7 @@ def overview(state: State, rules: Rules, configured: Rules, snapshot: Snapshot, 
                 "max": variable.highest,
                 "words": list(variable.words),
                 "text": variable.text,
+                "idle": name in RULES_OF_PLACE and not places_known,
             }
             for name, variable in DECLARED.items()
         },

@@ -18,6 +18,7 @@ from server.game.state import State
 from server.game.users import FULL_LIFE, User
 
 SEEN = 1.0  # s after which a place is no longer known
+RULES = ("fence", "hill", "pickups", "line_of_fire")  # those that are here
 
 
 class Places:
@@ -33,6 +34,10 @@ class Places:
     def begin(self) -> None:
         """A battle begins, or its clock stands or goes on."""
         self._hill = Hill()
+
+    def are_known(self, now: float) -> bool:
+        """Whether somebody tells where robots are, if there are any."""
+        return now - self._seen_at <= SEEN
 
     def may_have_met(self, shooter: int, victim: int, rules: Rules, now: float) -> bool:
         """Whether light of one robot may have met the other a moment ago."""

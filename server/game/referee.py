@@ -343,7 +343,8 @@ class Referee:
 
     def overview(self, now: float) -> dict[str, Any]:
         """What operators see."""
-        return overview(self._state, self._rules, self._configured, self.snapshot(now), now)
+        places_known = self._places.are_known(now)
+        return overview(self._state, self._rules, self._configured, self.snapshot(now), now, places_known=places_known)
 
     # time
 

@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, Locator, Page, expect
+from playwright.sync_api import Browser, Locator, Page, Route, expect
 
 from tests.browser.axe import Looks, violations
 from tests.browser.people import Person
@@ -194,6 +194,22 @@ def test_a_refused_rule_changes_nothing_and_says_why(desk: Page) -> None:
     expect(desk.locator("#rules-changed")).to_have_text("Not saved: Hit damage")
     desk.get_by_role("button", name="OK", exact=True).click()
     expect(desk.locator("#problem")).to_be_hidden()
+
+
+def test_a_rule_of_place_says_so_while_nobody_knows_where_the_robots_are(desk: Page) -> None:
+    def unknown(route: Route) -> None:
+        response = route.fetch()
+        state = response.json()
+        state["rules"]["fence"]["idle"] = True
+        route.fulfill(response=response, json=state)
+
+    hint = desk.locator(".rule:has(#rule-fence)").get_by_text("Nobody knows where the robots are")
+    expect(hint).to_be_hidden()
+    desk.route("**/operator/api/state", unknown)
+    expect(hint).to_be_visible()
+    expect(desk.get_by_text("Nobody knows where the robots are").locator("visible=true")).to_have_count(1)
+    desk.unroute("**/operator/api/state")
+    expect(hint).to_be_hidden()
 
 
 def test_a_message_is_on_the_players_screens_as_it_was_typed(desk: Page, person: Callable[[str], Person]) -> None:

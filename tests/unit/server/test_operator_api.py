@@ -557,6 +557,7 @@ def test_rules_change_at_once_all_or_none_and_back(site: Site) -> None:
     rules = operator.get("/operator/api/state").json["rules"]
     assert rules["hit_damage"] == {
         "value": 60, "default": 10, "min": 1, "max": 100, "words": [], "text": "life (of 100) that a hit takes",
+        "idle": False,
     }  # fmt: skip
     assert (rules["practice"]["value"], rules["practice"]["min"], rules["countdown"]["value"]) == (False, None, 2.5)
     site.game.hit(1)

@@ -35,6 +35,20 @@ def meets(match: Match) -> bool:
     return match.referee.shot_hit(1, 0, 0, match.now, shots_told=True)
 
 
+def test_operators_see_which_rules_do_nothing_as_nobody_knows_where_robots_are(new_match):
+    match = new_match()
+    of_place = {"fence", "hill", "pickups", "line_of_fire"}
+
+    def idle() -> set[str]:
+        return {name for name, rule in match.referee.overview(match.now)["rules"].items() if rule["idle"]}
+
+    assert idle() == of_place
+    see(match)  # an empty floor: it would be seen if one came
+    assert idle() == set()
+    match.wait(SEEN + 0.1)
+    assert idle() == of_place
+
+
 @pytest.fixture
 def fire(new_match) -> Match:
     match = new_match(rules=Rules(light="coded", line_of_fire=2.0))

@@ -36,10 +36,11 @@ export class RulesForm {
     this.#showChanged();
   }
 
-  #fill(row, name, { value, default: standard }, before) {
+  #fill(row, name, { value, default: standard, idle }, before) {
     const input = field(name, row);
     if (!before || valueOf(input) === before.value) setValue(input, value);
     row.classList.toggle("is-other", value !== standard);
+    row.querySelector(".rule-note").hidden = !idle;
     row.querySelector("button").hidden = value === standard;
     setText(row.querySelector("button span"), t("desk.reset_to", { value: words.valueText(standard) }));
   }
@@ -53,7 +54,7 @@ export class RulesForm {
     const input = inputOf(rule);
     input.id = `rule-${name}`;
     if (rule.min !== null) Object.assign(input, { min: rule.min, max: rule.max, inputMode: "decimal" });
-    input.setAttribute("aria-describedby", `rule-${name}-text`);
+    input.setAttribute("aria-describedby", `rule-${name}-text rule-${name}-note`);
     const onclick = () => {
       input.focus(); // the button goes
       this.#onReset(name);
@@ -66,6 +67,7 @@ export class RulesForm {
       element("label", { htmlFor: input.id }, words.ruleName(name)),
       element("div", { className: "rule-value" }, input, reset),
       element("p", { id: `rule-${name}-text`, className: "muted" }, element("span", { lang: "en" }, meaning), ` ${bounds}`),
+      element("p", { id: `rule-${name}-note`, className: "rule-note", hidden: true }, t("desk.places_unknown")),
     );
   }
 
