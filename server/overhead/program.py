@@ -11,8 +11,15 @@ from typing import NoReturn
 from prometheus_client.core import Metric
 from std_msgs.msg import String
 
-from laser_bot_battle.msg import OverheadStatus, OverheadView, Positions, Robot_msg
-from laser_bot_battle.names import OVERHEAD_CAMERA, OVERHEAD_STATUS, OVERHEAD_VIEW, POSITIONS, command_topic
+from laser_bot_battle.msg import OverheadCovered, OverheadStatus, OverheadView, Positions, Robot_msg
+from laser_bot_battle.names import (
+    OVERHEAD_CAMERA,
+    OVERHEAD_COVERED,
+    OVERHEAD_STATUS,
+    OVERHEAD_VIEW,
+    POSITIONS,
+    command_topic,
+)
 from laser_bot_battle.watched import counter, gauge
 from server.camera.budget import Meter
 from server.overhead.eye import Eye, Looker, PictureError
@@ -47,6 +54,9 @@ class OverheadProgram:
         self._tf = node.advertise("/tf", TF, latest=True)
         self._status = node.advertise(OVERHEAD_STATUS, TypeSpec.of(OverheadStatus), latch=True)
         self._sight = node.advertise(OVERHEAD_VIEW, TypeSpec.of(OverheadView), latch=True)
+        self._hidden = node.advertise(OVERHEAD_COVERED, TypeSpec.of(OverheadCovered), latch=True)
+        self._covered: list[int] = []  # that were told
+        self._hidden.publish(packed(OverheadCovered(self._covered)))
         self._view: View | None = None  # that was told
         self._sight.publish(sight(None, self._tag_height))
         node.advertise(OVERHEAD_CAMERA, TypeSpec.of(String), latch=True).publish(packed(String(eye.url)))
@@ -118,6 +128,7 @@ class OverheadProgram:
     def _tell(self) -> None:
         now = self._told = self._loop.time()
         robots = self._tracker.robots(now)
+        self._tell_covered([seen.robot for seen in robots if seen.covered])
         if robots or self._places():  # silence says that nobody knows, and an empty floor that nobody is there
             self._positions.publish(positions(self._floor, robots))
         if robots:
@@ -126,6 +137,12 @@ class OverheadProgram:
             self._followed.add(robot)
             self._node.subscribe(command_topic(robot), TypeSpec.of(Robot_msg), partial(self._hear, robot))
         self._tell_status(robots, now)
+
+    def _tell_covered(self, robots: list[int]) -> None:
+        """Before their places, of which it says that they are foretold."""
+        if robots != self._covered:
+            self._covered = robots
+            self._hidden.publish(packed(OverheadCovered(robots)))
 
     def _tell_view(self) -> None:
         view = self._tracker.view
@@ -142,7 +159,6 @@ class OverheadProgram:
             rate=self._last_status.rate if self._last_status else 0.0,
             floor_tags=[] if CAMERA in troubles else self._tracker.floor_tags,
             robots=[seen.robot for seen in robots],
-            covered=[seen.robot for seen in robots if seen.covered],
         )
         if status != self._last_status or now - self._status_sent >= STATUS:
             status.rate = round(self._rate.rate(now), 1)

@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 import rospy
 
-from laser_bot_battle.msg import Positions
-from laser_bot_battle.names import POSITIONS, Game
+from laser_bot_battle.msg import OverheadCovered, Positions
+from laser_bot_battle.names import OVERHEAD_COVERED, POSITIONS, Game
 from server.game.loop import GameLoop
 from server.game.snapshot import Snapshot
 from server.store.track import Floor, Piece, Pose, Track
@@ -24,6 +24,8 @@ class PositionsListener:
         self._keep, self._game = keep, game
         self._lock = threading.Lock()
         self._track: Track | None = None
+        self._covered: frozenset[int] = frozenset()
+        rospy.Subscriber(OVERHEAD_COVERED, OverheadCovered, self._hear_covered, queue_size=1)
         rospy.Subscriber(POSITIONS, Positions, self._see, queue_size=1)
 
     def follow(self, snapshot: Snapshot) -> None:
@@ -48,6 +50,9 @@ class PositionsListener:
         if piece:
             self._keep(piece)
 
+    def _hear_covered(self, message: OverheadCovered) -> None:
+        self._covered = frozenset(message.robots)
+
     def _see(self, message: Positions) -> None:
         now = time.monotonic()
         floor, poses = from_message(message)
@@ -58,7 +63,7 @@ class PositionsListener:
                 (floor.width, floor.height),
             )
         with self._lock:
-            piece = self._track and self._track.see(now, floor, poses)
+            piece = self._track and self._track.see(now, floor, poses, self._covered)
             if piece:
                 self._keep(piece)
 

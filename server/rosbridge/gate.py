@@ -10,8 +10,8 @@ import struct
 import time
 from collections.abc import Callable
 
-from laser_bot_battle.msg import GameStatus, OverheadView, Positions, Robot_msg, Shot, UserStatus
-from laser_bot_battle.names import GAME_STATUS, OVERHEAD_VIEW, POSITIONS, SHOTS, command_topic
+from laser_bot_battle.msg import GameStatus, OverheadCovered, OverheadView, Positions, Robot_msg, Shot, UserStatus
+from laser_bot_battle.names import GAME_STATUS, OVERHEAD_COVERED, OVERHEAD_VIEW, POSITIONS, SHOTS, command_topic
 from server.access.globs import Globs
 from server.access.identity import Identity, People
 from server.websocket.requests import RequestError
@@ -24,6 +24,7 @@ PUBLIC = {
     POSITIONS: Positions._type,
     SHOTS: Shot._type,
     OVERHEAD_VIEW: OverheadView._type,
+    OVERHEAD_COVERED: OverheadCovered._type,
 }
 # The referee speaks at least every 0.5 s. When it is silent for so long it is gone, and with it every right to drive.
 REFEREE_SILENCE = 3.0  # s

@@ -14,6 +14,7 @@ SPAN = 600.0  # s; few battles last longer, whatever their limit
 PIECE = 10.0  # s of a piece: a server that is killed loses no more
 
 Pose = tuple[float, float, float]  # x and y in m, heading in rad, counter-clockwise from x
+Sighting = Pose | tuple[float, float, float, bool]  # True: it was covered, and that is only foretold
 Wall = tuple[float, float, float, float]  # from x, y to x, y, in m
 
 
@@ -38,7 +39,7 @@ class Piece:
     battle: int  # number
     floor: Floor
     times: list[float] = field(default_factory=list)
-    robots: dict[int, list[Pose | None]] = field(default_factory=dict)
+    robots: dict[int, list[Sighting | None]] = field(default_factory=dict)
 
     def to_json(self, began: float) -> dict[str, Any]:
         """As it is kept: times in s since the battle began, to 10 ms; mm, degrees."""
@@ -70,8 +71,9 @@ class Track:
         """These fight, too, by now."""
         self._robots = sorted({*self._robots, *robots})
 
-    def see(self, at: float, floor: Floor, poses: Mapping[int, Pose]) -> Piece | None:
-        """What is seen at `at` (monotonic s); returns the piece that is complete by it."""
+    def see(self, at: float, floor: Floor, poses: Mapping[int, Pose], covered: Collection[int] = ()) -> Piece | None:
+        """What is seen at `at` (monotonic s), but for the robots that are `covered`; returns the piece that is complete
+        by it."""
         if at < self._due or not floor.is_real:
             return None
         if self._began is None:
@@ -88,7 +90,10 @@ class Track:
         self._piece.times.append(at)
         for robot, seen in self._piece.robots.items():
             pose = poses.get(robot)
-            seen.append(pose if pose and all(map(math.isfinite, pose)) else None)
+            if pose is None or not all(map(math.isfinite, pose)):
+                seen.append(None)
+            else:
+                seen.append((*pose, True) if robot in covered else pose)
         return done
 
     def take(self) -> Piece | None:
@@ -116,6 +121,6 @@ def join(pieces: Iterable[Mapping[str, Any]]) -> dict[str, Any] | None:
     return {"floor": floor, "times": times, "robots": robots} if times else None
 
 
-def _rounded(pose: Pose) -> tuple[float, float, int]:
-    x, y, heading = pose
-    return round(x, 3), round(y, 3), round(math.degrees(heading)) % 360
+def _rounded(sighting: Sighting) -> tuple[float | bool, ...]:
+    x, y, heading, *covered = sighting
+    return round(x, 3), round(y, 3), round(math.degrees(heading)) % 360, *covered

@@ -160,6 +160,18 @@ def test_the_picture_has_the_robots_their_players_shots_and_hits(
     width = sized.viewport_size["width"] if sized.viewport_size else 0
     sized.screenshot(path=screenshots / f"arena-{width}.png")
     until(lambda: not is_red(between), 10, "the shot is over")
+    back = [PLACES[2][0] - 0.075, PLACES[2][1]]  # of robot 2, where a dash of its rim would be
+
+    def light() -> int:
+        sized.evaluate("message => tell('/positions', message)", positions(*PLACES))
+        return int(sum(sized.evaluate(COLOUR, back)))
+
+    dark = light()
+    sized.evaluate("tell('/overhead/covered', {robots: [2]})")
+    until(lambda: light() > dark + 150, 10, "robot 2 is covered, and has a rim")
+    sized.screenshot(path=screenshots / f"arena-covered-{width}.png")
+    sized.evaluate("tell('/overhead/covered', {robots: []})")
+    until(lambda: light() < dark + 30, 10, "it is seen again")
 
 
 def test_positions_that_stop_are_missed_and_come_back(chromium: Browser, game_page: GamePage) -> None:

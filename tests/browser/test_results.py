@@ -86,6 +86,8 @@ def test_a_battle_is_played_again_on_the_floor(played: Played, page: Page, scree
     track = page.request.get(f"{played.url}/results/1.json").json()["track"]
     told = {at: (x, y) for at, (x, y, _) in zip(track["times"], track["robots"]["0"], strict=True)}  # of Jörg's robot
 
+    assert track["robots"]["1"][0] == [1.9, 0.9, 180, True], "it is covered"
+
     def is_at(x: float, y: float) -> bool:
         """Whether the rim of Jörg's robot is seen below there; it has the brightest blue of the floor."""
         return bool(page.evaluate(BLUE, [x, y - 0.0525]) > 150)

@@ -33,6 +33,7 @@ GAME_STATUS = "/game_status"
 POSITIONS = "/positions"
 OVERHEAD_STATUS = "/overhead/status"
 OVERHEAD_VIEW = "/overhead/view"
+OVERHEAD_COVERED = "/overhead/covered"
 OVERHEAD_CAMERA = "/overhead/camera"
 SHOTS = "/shots"
 

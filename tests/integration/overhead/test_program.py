@@ -13,7 +13,15 @@ import requests
 from prometheus_client.parser import text_string_to_metric_families
 
 from laser_bot_battle.floor import floor_file
-from laser_bot_battle.names import OVERHEAD_CAMERA, OVERHEAD_STATUS, OVERHEAD_VIEW, POSITIONS, WATCHED, command_topic
+from laser_bot_battle.names import (
+    OVERHEAD_CAMERA,
+    OVERHEAD_COVERED,
+    OVERHEAD_STATUS,
+    OVERHEAD_VIEW,
+    POSITIONS,
+    WATCHED,
+    command_topic,
+)
 from server.overhead.view import View
 from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, RosSide
 from tests.support.documents import page, table
@@ -40,6 +48,7 @@ class Hall:
         self.side = RosSide(master.env)
         self.side.listen(POSITIONS, "laser_bot_battle/Positions")
         self.side.listen(OVERHEAD_STATUS, "laser_bot_battle/OverheadStatus")
+        self.side.listen(OVERHEAD_COVERED, "laser_bot_battle/OverheadCovered")
         self.side.listen("/tf", "tf2_msgs/TFMessage")
         self.side.listen(OVERHEAD_VIEW, "laser_bot_battle/OverheadView")
         self.side.listen(OVERHEAD_CAMERA, "std_msgs/String")
@@ -128,12 +137,11 @@ def test_a_covered_robot_moves_on_by_its_commands_and_is_marked(hall: Hall) -> N
     hall.show({2: ROBOTS[2]})
 
     def is_foretold() -> bool:
-        return has_moved_on(0.01) and any(
-            status["covered"] == [1] and status["robots"] == [1, 2] for status in hall.side.heard(OVERHEAD_STATUS)
-        )
+        return has_moved_on(0.01) and hall.side.heard(OVERHEAD_COVERED)[-1] == {"robots": [1]}
 
     until(is_foretold, 10, "a foretold place")
     until(lambda: hall.positions.keys() == {2}, 10, "no place any more")
+    assert hall.side.heard(OVERHEAD_COVERED)[-1] == {"robots": []}
     hall.show(ROBOTS)
     until(lambda: hall.positions.keys() == ROBOTS.keys(), 10, "it is seen again")
 

@@ -9,7 +9,7 @@ python -m tests.integration.server.peers crowd            registers nameless rob
 python -m tests.integration.server.peers register FROM TO [KEY]   registers robots with these numbers as names
 python -m tests.integration.server.peers hit ID           reports one hit of robot ID, registered or not
 python -m tests.integration.server.peers positions        tells where robots 0 and 1 are: on a floor of 2 m x 1 m, 0
-                                                          drives to and fro along x, 1 stands in its corner
+                                                          drives to and fro along x, 1 stands covered in its corner
 python -m tests.integration.server.peers board ID SUPPLY  tells the health of robot ID, whose Arduino has so many mV;
                                                           prints its setups, one JSON object a line, and "identify"
 python -m tests.integration.server.peers light WHAT...    tells of shots and hits in this order: shot:ROBOT; ten times
@@ -32,6 +32,7 @@ from laser_bot_battle.msg import (
     GameStatus,
     Health,
     Hit,
+    OverheadCovered,
     Positions,
     Robot_msg,
     RobotPosition,
@@ -140,6 +141,7 @@ def hit(robot_id: str) -> None:
 
 def positions() -> None:
     rospy.init_node("peer_positions", anonymous=True)
+    rospy.Publisher("/overhead/covered", OverheadCovered, queue_size=1, latch=True).publish(OverheadCovered([1]))
     publisher = rospy.Publisher("/positions", Positions, queue_size=1)
     while not rospy.is_shutdown():
         x = 1 + 0.8 * math.sin(time.monotonic())

@@ -24,7 +24,7 @@ test("a beam is long: its end is seen to move sooner", () => {
 });
 
 test("beams, hits and other robots are another picture", () => {
-  for (const news of [{ beam: true }, { hits: 1 }, { id: 7 }, { name: "virtual1" }]) assert.equal(isSeen({}, news), true);
+  for (const news of [{ beam: true }, { hits: 1 }, { covered: true }, { id: 7 }, { name: "virtual1" }]) assert.equal(isSeen({}, news), true);
   assert.equal(isOther([robot()], [], ARENA, SCALE), true);
 });
 

@@ -11,7 +11,8 @@ test("a message has the floor with its walls, and the robots by their IDs", () =
   const { floor, robots } = readPositions(positions());
   assert.deepEqual([floor.width, floor.height, floor.walls], [2, 1, [[0, 0, 2, 0], [2, 0, 2, 1]]]);
   assert.ok(floor.robot_radius > 0 && floor.beam_range > floor.robot_radius && floor.beam_half_angle > 0);
-  assert.deepEqual(robots, [{ id: 3, name: "Robot3", x: 0.5, y: 0.25, heading: 1 }]);
+  assert.deepEqual(robots, [{ id: 3, name: "Robot3", x: 0.5, y: 0.25, heading: 1, covered: false }]);
+  assert.deepEqual(readPositions(positions({ robots: [seen(3), seen(4)] }), [4]).robots.map(({ covered }) => covered), [false, true]);
   assert.deepEqual(readPositions(positions({ robots: [] })).robots, []);
 });
 

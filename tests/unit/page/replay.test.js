@@ -13,26 +13,33 @@ const timeline = [
 ];
 
 test("between two sights a robot drives straight and turns the short way", () => {
-  assert.deepEqual(poseAt(track, 0, 1.5), { x: 0.5, y: 0, heading: 360 });
-  assert.deepEqual(poseAt(track, 0, 3), { x: 1, y: 1, heading: 10 });
+  assert.deepEqual(poseAt(track, 0, 1.5), { x: 0.5, y: 0, heading: 360, covered: false });
+  assert.deepEqual(poseAt(track, 0, 3), { x: 1, y: 1, heading: 10, covered: false });
 });
 
 test("before the first and after the last sight it stands there", () => {
-  assert.deepEqual(poseAt(track, 0, 0), { x: 0, y: 0, heading: 350 });
-  assert.deepEqual(poseAt(track, 0, 99), { x: 1, y: 2, heading: 10 });
+  assert.deepEqual(poseAt(track, 0, 0), { x: 0, y: 0, heading: 350, covered: false });
+  assert.deepEqual(poseAt(track, 0, 99), { x: 1, y: 2, heading: 10, covered: false });
+});
+
+test("a robot that was covered is marked until it was seen again", () => {
+  const hidden = { times: [1, 2, 4], robots: { 0: [[0, 0, 0], [1, 0, 0, true], [2, 0, 0]] } };
+  assert.deepEqual([1, 1.9, 2, 3.9, 4].map((at) => poseAt(hidden, 0, at).covered), [false, false, true, true, false]);
+  const battle = { fighters: [{ name: "ada", robot: 0 }], timeline: [], track: hidden };
+  assert.equal(robotsAt(battle, 2)[0].covered, true);
 });
 
 test("a robot that was not seen is nowhere", () => {
   assert.equal(poseAt(track, 1, 1.5), null);
-  assert.deepEqual(poseAt(track, 1, 3), { x: 1, y: 1, heading: 0 });
+  assert.deepEqual(poseAt(track, 1, 3), { x: 1, y: 1, heading: 0, covered: false });
   assert.equal(poseAt(track, 1, 4), null);
   assert.equal(poseAt(track, 9, 1), null);
 });
 
 test("it waits where it was seen last for a sight that comes late", () => {
   const late = { times: [1, 9], robots: { 0: [[0, 0, 0], [1, 1, 90]] } };
-  assert.deepEqual(poseAt(late, 0, 8.9), { x: 0, y: 0, heading: 0 });
-  assert.deepEqual(poseAt(late, 0, 9), { x: 1, y: 1, heading: 90 });
+  assert.deepEqual(poseAt(late, 0, 8.9), { x: 0, y: 0, heading: 0, covered: false });
+  assert.deepEqual(poseAt(late, 0, 9), { x: 1, y: 1, heading: 90, covered: false });
 });
 
 test("life, hits and the end of a fighter come from the time line", () => {
@@ -51,7 +58,7 @@ test("who has joined later is not there before, and has the life with which it w
 test("the picture gets the robots that were seen, with who played them", () => {
   const fighters = [{ name: "ada", robot: 0, team: 1 }, { name: "bob", robot: 1, team: 0 }];
   const battle = { fighters, timeline, track };
-  assert.deepEqual(robotsAt(battle, 1.5), [{ id: 0, name: "ada", x: 0.5, y: 0, heading: 2 * Math.PI, beam: false, hits: 0 }]);
+  assert.deepEqual(robotsAt(battle, 1.5), [{ id: 0, name: "ada", x: 0.5, y: 0, heading: 2 * Math.PI, covered: false, beam: false, hits: 0 }]);
   assert.deepEqual(robotsAt(battle, 3).map(({ name, hits }) => [name, hits]), [["ada", 1], ["bob", 0]]);
   const { me, players } = playersAt(battle, 3.5);
   assert.equal(me, null);

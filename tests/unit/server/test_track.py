@@ -50,6 +50,17 @@ def test_only_who_fights_is_kept_and_who_is_not_seen_is_nowhere():
     assert piece.robots == {3: [(1, 1, 0), None], 5: [None, (1, 1, 0)]}
 
 
+def test_where_a_covered_robot_was_thought_to_be_is_marked():
+    track = Track(1, [3, 5], 300)
+    track.see(0.0, FLOOR, {3: (1, 1, 0), 5: (math.nan, 1, 0)}, covered=[3, 5])
+    track.see(1.0, FLOOR, {3: (2, 1, 0)})
+    piece = track.take()
+    assert piece
+    whole = join([piece.to_json(0.0)])
+    assert whole
+    assert whole["robots"] == {"3": [(1, 1, 0, True), (2, 1, 0)], "5": [None, None]}
+
+
 def test_who_joins_the_battle_later_is_kept_from_then_on():
     track = Track(1, [3], 300)
     track.see(0.0, FLOOR, {3: (1, 1, 0), 5: (1, 1, 0)})

@@ -27,6 +27,7 @@ export class ArenaView {
   #shooting = new Shooting();
   #presence = new Presence(performance.now());
   #robots = []; // the newest
+  #covered = []; // IDs of those that are not seen
   #floor = ""; // as text
   #state = "connecting"; // that was told
 
@@ -53,6 +54,7 @@ export class ArenaView {
       topic: "/positions", type: "laser_bot_battle/Positions", throttle_rate: RATE, queue_length: 1,
       take: (message) => this.#see(message),
     },
+    { topic: "/overhead/covered", type: "laser_bot_battle/OverheadCovered", take: ({ robots }) => (this.#covered = robots) },
     { topic: "/shots", type: "laser_bot_battle/Shot", take: ({ robot }) => this.#shoot(robot) },
   ];
 
@@ -84,7 +86,7 @@ export class ArenaView {
   }
 
   #see(message) {
-    const seen = readPositions(message);
+    const seen = readPositions(message, this.#covered);
     if (!seen) return;
     this.#presence.hear(performance.now());
     this.#become();

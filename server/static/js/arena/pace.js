@@ -6,7 +6,7 @@ export const DRIFT = 15; // smoke rises, tracks fade
 export const MOTION = 60;
 
 const SEEN = 0.5; // pixels; nobody sees a shorter way
-const LOOKS = ["name", "id", "beam", "hits"]; // of a robot, besides its place
+const LOOKS = ["name", "id", "beam", "hits", "covered"]; // of a robot, besides its place
 
 /**
  * Whether robots would be seen to be elsewhere, or other ones.

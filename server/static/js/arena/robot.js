@@ -36,6 +36,19 @@ export function paintBody(context, radius, colour, lamp, flash) {
   paintNose(context, radius, colour, lamp);
 }
 
+/** Where a robot is thought to be: its rim in twelve dashes, the first of them its nose. */
+export function paintOutline(context, radius, colour) {
+  const dash = (Math.PI * radius) / 12;
+  context.strokeStyle = colour;
+  context.lineWidth = 0.009;
+  context.setLineDash([dash]);
+  context.lineDashOffset = dash / 2;
+  context.beginPath();
+  context.arc(0, 0, radius, 0, 2 * Math.PI);
+  context.stroke();
+  context.setLineDash([]);
+}
+
 function paintChassis(context, radius, colour, flash) {
   const metal = context.createRadialGradient(radius * 0.3, radius * 0.2, 0, 0, 0, radius);
   metal.addColorStop(0, flash ? "#7a3350" : "#33415f");

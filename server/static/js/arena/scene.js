@@ -15,6 +15,7 @@ import { Tags } from "./tags.js";
 
 export const MARGIN = 0.05; // m around the floor, for the outer walls' glow
 const DIM = 0.5; // alpha of a robot that nobody plays
+const VEILED = 0.35; // of one that is not seen
 const NIGHT = "#05070f";
 const DUSK = "rgba(5, 7, 15, 0.4)"; // over a real floor: names and light are made for a dark one
 
@@ -209,7 +210,7 @@ export class Scene {
       flash: this.#memory.flash(robot, now),
       remembered: this.#memory.of(robot),
       pixels: this.#toPixels(robot),
-      alpha: roles.known && !role.player ? DIM : 1,
+      alpha: (roles.known && !role.player ? DIM : 1) * (robot.covered ? VEILED : 1),
     };
   }
 
@@ -225,6 +226,8 @@ export class Scene {
     put(sprites.wheel(remembered.wheels[0]), 0, EMITTER);
     put(sprites.wheel(remembered.wheels[1]), 0, -EMITTER);
     put(sprites.body(colour, robot.beam, flash > 0));
+    context.globalAlpha = robot.covered ? 1 : alpha;
+    if (robot.covered) put(sprites.outline(colour));
     context.setTransform(1, 0, 0, 1, pixels.x, pixels.y);
     put(sprites.number(robot.id ?? "?"));
     context.globalAlpha = 1;

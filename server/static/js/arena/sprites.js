@@ -1,6 +1,6 @@
 // The parts of robots, painted once for each size of the picture and then copied.
 
-import { paintBody, paintHalo, paintPuff, paintShadow, paintWheel, WHEEL } from "./robot.js";
+import { paintBody, paintHalo, paintOutline, paintPuff, paintShadow, paintWheel, WHEEL } from "./robot.js";
 import { write } from "./text.js";
 
 const TREADS = 6; // pictures of a rolling wheel until it looks as before
@@ -26,6 +26,11 @@ export class Sprites {
   body(colour, lamp, flash) {
     const paint = (context) => paintBody(context, this.#radius, colour, lamp, flash);
     return this.#sprite(`body ${colour} ${lamp} ${flash}`, 1.2 * this.#radius, paint);
+  }
+
+  /** Of a robot that is covered. */
+  outline(colour) {
+    return this.#sprite(`outline ${colour}`, 1.2 * this.#radius, (context) => paintOutline(context, this.#radius, colour));
   }
 
   /** A wheel that has rolled so far (m). */

@@ -18,17 +18,17 @@ function newest(times, at) {
   return low;
 }
 
-/** Where the robot was: { x, y, heading } in m and degrees, null if it was not seen. */
+/** Where the robot was: { x, y, heading, covered } in m and degrees, null if it was not seen; covered: that was foretold. */
 export function poseAt(track, robot, at) {
   const { times } = track;
   const seen = track.robots[robot] ?? [];
   const place = newest(times, at);
   const [before, after] = [seen[place], seen[place + 1]];
   if (!before) return null;
-  const [x, y, heading] = before;
-  if (!after || at <= times[place] || times[place + 1] - times[place] > GAP) return { x, y, heading };
+  const [x, y, heading, covered = false] = before;
+  if (!after || at <= times[place] || times[place + 1] - times[place] > GAP) return { x, y, heading, covered };
   const part = (at - times[place]) / (times[place + 1] - times[place]);
-  return { x: x + part * (after[0] - x), y: y + part * (after[1] - y), heading: heading + part * turn(heading, after[2]) };
+  return { x: x + part * (after[0] - x), y: y + part * (after[1] - y), heading: heading + part * turn(heading, after[2]), covered };
 }
 
 /** How the fighter was: { life, hits (taken so far), out (dead, left, or not there yet) }. */
@@ -49,7 +49,7 @@ export function robotsAt({ fighters, timeline, track }, at) {
     const pose = poseAt(track, id, at);
     if (!pose) return [];
     const { hits } = fighterAt(timeline, name, at);
-    return [{ id, name, x: pose.x, y: pose.y, heading: (pose.heading * Math.PI) / 180, beam: false, hits }];
+    return [{ ...pose, id, name, heading: (pose.heading * Math.PI) / 180, beam: false, hits }];
   });
 }
 
