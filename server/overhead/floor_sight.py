@@ -14,20 +14,24 @@ from server.overhead.view import Floats, Size, View
 LEAST = 4  # tags that are needed
 SPREAD = 0.3  # m; tags in a narrower strip are taken as lying in a line
 OFF = 0.03  # m from where a tag should be: more has another reason than noise and print
+UNLIKE = 0.015  # m; most tags whose corners are so far from where they belong in a tag are not the plan's
 MOVED = 0.3  # s for which most tags are off until the camera counts as moved
+UNSEEN = 1.0  # s without any of the tags until the picture is not taken for one of the floor any more
 RETRY = 0.5  # s between two attempts to measure the floor
 RENEW = 2.0  # s between two measurements, as nothing holds quite still
 MOST_OFF = 2  # tags that may lie wrong while the floor is measured; each more costs much time to find
 
 
 class FloorSight:
-    """`view` is None as long as the floor is not known."""
+    """`view` is None as long as the floor is not known; `is_sure` says whether the last picture is one of it."""
 
     def __init__(self, tags: Mapping[int, TagPose], camera_height: float, troubles: Troubles) -> None:
         """`tags` as they are laid out; `camera_height` in m over the floor."""
         self._places = {number: corners_of(tag) for number, tag in tags.items()}
         self._camera_height, self._troubles = camera_height, troubles
         self.view: View | None = None
+        self.is_sure = False
+        self._seen = float("-inf")  # any tag
         self._used: frozenset[int] = frozenset()  # tags that `view` is made of
         self._tried = float("-inf")  # to measure it
         self._off_since: float | None = None  # most tags
@@ -41,11 +45,15 @@ class FloorSight:
             self.measurements.append(
                 f"the camera's pictures are {size[0]} x {size[1]} now: the floor is measured again"
             )
+        self._seen = now if tags else self._seen
+        if self.view and now - self._seen >= UNSEEN:
+            self._forget()
         if self.view:
             self._compare(self.view, tags, now)
         is_due = self._off_since is None and now - self._tried >= RENEW and self._used <= tags.keys()
         if self.view is None or is_due:
             self._measure(tags, size, now)
+        self.is_sure = self.view is not None and self._off_since is None and bool(tags)
 
     def _forget(self) -> None:
         """It is measured at once."""
@@ -102,7 +110,7 @@ class FloorSight:
         used = dict(tags)
         while True:
             view = self._solve(used, size)
-            if view and self._worst(view, used) <= OFF:
+            if view and self._worst(view, used) <= OFF and self._are_tags(view, used):
                 far = self._far(view, tags)
                 return view, {number: miss for number, miss in far.items() if not miss <= OFF}
             if len(tags) - len(used) == MOST_OFF:
@@ -129,11 +137,20 @@ class FloorSight:
         """How many m each tag is from its place; NaN for one that the view does not show at all."""
         if not tags:
             return {}
-        numbers = list(tags)
-        found = view.places(np.concatenate([tags[number] for number in numbers])).reshape(-1, 4, 2)
-        places = np.array([self._places[number] for number in numbers])
+        found, places = self._corners(view, tags)
         misses = np.linalg.norm(found.mean(axis=1) - places.mean(axis=1), axis=1)
-        return dict(zip(numbers, misses.tolist(), strict=True))
+        return dict(zip(tags, misses.tolist(), strict=True))
+
+    def _are_tags(self, view: View, tags: Mapping[int, Floats]) -> bool:
+        """Whether most of them have the size and direction of a tag: a view can bring a few from anywhere to their
+        places, but not their corners, too."""
+        found, places = (each - each.mean(axis=1, keepdims=True) for each in self._corners(view, tags))
+        return bool(np.median(np.linalg.norm(found - places, axis=2).max(axis=1)) <= UNLIKE)
+
+    def _corners(self, view: View, tags: Mapping[int, Floats]) -> tuple[Floats, Floats]:
+        """Where the tags' corners are by that view, and where they should be: n x 4 x 2 m."""
+        found = view.places(np.concatenate([tags[number] for number in tags])).reshape(-1, 4, 2)
+        return found, np.array([self._places[number] for number in tags])
 
     def _tell_off(self, off: Mapping[int, float], now: float) -> None:
         for number, miss in off.items():

@@ -64,6 +64,8 @@ class Tracker:
         if self._sight.view is None:
             self._robots.forget()
             return
+        if not self._sight.is_sure:  # it may be another camera's picture: the robots are taken as covered
+            return
         robots = {number: several for number, several in by_number.items() if number in ROBOT_IDS}
         self._robots.see(self._robot_places(self._sight.view, robots, taken), taken)
 

@@ -301,6 +301,30 @@ def test_robots_that_crowd_are_never_taken_for_each_other() -> None:
             assert miss(place, poses[robot])[0] < 60
 
 
+NEXT_DOOR = OverheadCamera(floor=Floor(3.0, 1.5), x=1.5, y=0.7, z=2.0)
+ELSEWHERE = {robot: (x * 0.5, y * 0.5, heading) for robot, (x, y, heading) in ROBOTS.items()}
+
+
+@pytest.mark.parametrize(
+    ("floor_tags", "trouble"),
+    [([], "none of its tags"), (NEXT_DOOR.floor_tags(), "the picture of the camera above the floor")],
+    ids=["without a floor", "of another floor"],
+)
+def test_the_picture_of_another_camera_puts_no_robot_anywhere(
+    watch: Watch, floor_tags: list[Detection], trouble: str
+) -> None:
+    """It shows the same robots, or other ones with these numbers."""
+    watch.look()
+    for _ in range(30):
+        watch.see(floor_tags + NEXT_DOOR.robots(ELSEWHERE), 1)
+        assert all(miss(place, ROBOTS[robot])[0] < 3 for robot, place in watch.places.items()), "where they were"
+    assert watch.places == {}
+    assert watch.tracker.view is None
+    assert trouble in watch.troubles
+    watch.look(pictures=12)
+    assert watch.places.keys() == ROBOTS.keys()
+
+
 def test_pictures_of_another_size_are_measured_anew(watch: Watch) -> None:
     watch.look()
     watch.tracker.see([], (640, 480), watch.now + FRAME)
