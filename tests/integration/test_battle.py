@@ -1,6 +1,7 @@
 """The whole chain on one machine: real ROS master, rosbridge, referee, robot software, firmware and arena."""
 
 import contextlib
+import json
 import math
 import socket
 import time
@@ -9,9 +10,11 @@ from urllib.parse import urlsplit
 
 import pytest
 import requests
+from websockets.sync.client import connect
 
 from laser_bot_battle.master import Master
-from tests.support.demo import Demo
+from laser_bot_battle.names import command_topic
+from tests.support.demo import TOKEN, Demo
 from tests.support.play import PLAYING, hunt_down, obeys, reconnect, shoot_to_the_end, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
@@ -48,6 +51,37 @@ def test_a_command_turns_the_wheels_and_silence_stops_them(battle: Demo, players
         )
         stands_still(ann, eyes)  # no more commands: the dead-man stops the wheels
         assert eyes.robots()[bob.robot]["heading"] == other_before["heading"], "nobody drove Bob's robot"
+
+
+def test_at_the_fence_the_wheels_stop_until_the_robot_drives_back(battle: Demo, players: tuple[Player, Player]) -> None:
+    """By where it is seen to be, through referee and rosbridge to the command that it gets."""
+    battle.play_by(fence=True)
+    ann, bob = players
+    with Eyes(battle) as eyes, connect(battle.bridge, max_queue=None) as operator:
+        operator.send(json.dumps({"op": "auth", "client": "operator", "mac": TOKEN}))
+        operator.send(json.dumps({"op": "subscribe", "topic": command_topic(ann.robot)}))
+        start(ann, bob)
+        got: list[int] = []  # linear_x
+
+        def gets(linear: int, times: int) -> bool:
+            """Whether the robot's last commands were these, while she drives backwards."""
+            ann.drive(linear=-1)  # all begin with their faces to the middle
+            with contextlib.suppress(TimeoutError):
+                while (message := json.loads(operator.recv(timeout=0)))["op"] == "publish":
+                    got.append(message["msg"]["linear_x"])
+            return got[-times:] == [linear] * times
+
+        until(lambda: gets(-1, 1), 20, "her robot is told to drive backwards")
+        until(lambda: gets(0, 50), 30, "it is told so no longer, though she goes on")
+        stood = eyes.robots()[ann.robot]
+        until(lambda: gets(0, 100), 20, "it is told nothing else")
+        assert position(eyes.robots()[ann.robot]) == position(stood)
+
+        def has_left() -> bool:
+            ann.drive(linear=1)
+            return math.dist(position(eyes.robots()[ann.robot]), position(stood)) > 0.02
+
+        until(has_left, 10, "it drives back to the middle")
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1", "::1"])
