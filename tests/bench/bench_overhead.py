@@ -82,14 +82,21 @@ def figure(port: int, name: str) -> float:
     return next((float(line.removeprefix(name)) for line in lines if line.startswith(name)), 0.0)
 
 
+def ages_of_places(port: int, seconds: float) -> list[float]:
+    """In ms: of the newest picture when its places were told, again and again for so long."""
+    ages, end = [], time.monotonic() + seconds
+    while time.monotonic() < end:
+        ages.append(figure(port, AGE) * 1e3)
+        time.sleep(TICK)
+    return ages
+
+
 def measure_program(conditions: Conditions, seconds: float) -> None:
     with ExitStack() as stack:
         tracker, port, painter, _ = started(stack, conditions)
         before = [cpu_seconds(pid) for pid in (tracker, painter)]
-        first, began, ages = figure(port, PICTURES), time.monotonic(), []
-        while time.monotonic() < began + seconds:
-            ages.append(figure(port, AGE) * 1e3)
-            time.sleep(0.05)
+        first, began = figure(port, PICTURES), time.monotonic()
+        ages = ages_of_places(port, seconds)
         passed = time.monotonic() - began
         rate = (figure(port, PICTURES) - first) / passed
         after = [cpu_seconds(pid) for pid in (tracker, painter)]
