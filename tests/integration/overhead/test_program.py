@@ -141,7 +141,7 @@ def test_a_covered_robot_moves_on_by_its_commands_and_is_marked(hall: Hall) -> N
 
     until(is_foretold, 10, "a foretold place")
     until(lambda: hall.positions.keys() == {2}, 10, "no place any more")
-    assert hall.side.heard(OVERHEAD_COVERED)[-1] == {"robots": []}
+    until(lambda: hall.side.heard(OVERHEAD_COVERED)[-1] == {"robots": []}, 10, "nor is it covered")
     hall.show(ROBOTS)
     until(lambda: hall.positions.keys() == ROBOTS.keys(), 10, "it is seen again")
 
