@@ -1,4 +1,4 @@
-"""The containers of a robot's card, as its engine is asked for them."""
+"""The containers of a card, as its engine is asked for them."""
 
 import hashlib
 import json
@@ -18,11 +18,12 @@ Container = dict[str, Any]  # the body of the engine's /containers/create
 def containers(card: Card, host: str, described: Mapping[str, Container]) -> dict[str, Container]:
     """By name: those that a card with these settings runs on the host `host`.
 
-    `described` are the containers that the fleet's roles would run: robot, camera, camera-libcamera.
+    `described` are those that the fleet's roles would run: robot, camera and camera-libcamera, or all of a master's.
     """
-    settings = {variables.ROBOT_NAME.name: host}
-    if card.arena:
-        settings[variables.ARENA_NAME.name] = card.arena
+    settings = {variables.ARENA_NAME.name: card.arena} if card.arena else {}
+    if card.role == "master":
+        return {f"laserbot-{name}": _set(container, settings) for name, container in described.items()}
+    settings[variables.ROBOT_NAME.name] = host
     if card.camera:
         settings[variables.CAMERA.name] = card.camera
     found = {"laserbot-robot": _set(described["robot"], settings)}
@@ -38,4 +39,4 @@ def _set(container: Container, settings: Mapping[str, str]) -> Container:
     environment.update({name: value for name, value in settings.items() if name in environment})
     changed = {**container, "Env": [f"{name}={value}" for name, value in environment.items()]}
     digest = hashlib.sha256(json.dumps(changed, sort_keys=True).encode()).hexdigest()
-    return {**changed, "Labels": {**(container.get("Labels") or {}), LABEL: digest}}
+    return {**changed, "Labels": {LABEL: digest}}

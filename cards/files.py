@@ -7,12 +7,14 @@ from cards.laserbot_txt import Card
 MASTER_HOST = "laser-bot-master"
 HOST_NAME = "/etc/hostname"
 USER = "pi"
+OPERATOR_TOKEN = "/etc/laserbot/operator-token"  # which the master's containers read when they start
+CONTAINER_USER = 10001
 
 
 class File(NamedTuple):
     content: str
     mode: int = 0o644
-    owner: str = "root"
+    owner: str | int = "root"
     link: bool = False  # the content is where it leads
 
 
@@ -32,6 +34,8 @@ def files(card: Card) -> dict[str, File]:
     found = {}
     if host := host_name(card):
         found[HOST_NAME] = File(f"{host}\n")
+    if card.operator_token:
+        found[OPERATOR_TOKEN] = File(card.operator_token, 0o400, CONTAINER_USER)
     if card.time_zone:
         found["/etc/localtime"] = File(f"/usr/share/zoneinfo/{card.time_zone}", link=True)
     if card.ssh_keys:

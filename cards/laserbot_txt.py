@@ -1,6 +1,6 @@
 """laserbot.txt, the file on a card's first partition that says what the card is.
 
-    python3 -m cards.laserbot_txt     prints it as it is on a new card
+    python3 -m cards.laserbot_txt robot     prints it as it is on a robot's new card; master: on a master's
 
 It is written by hand, on any computer and in any editor. Whatever is wrong in it costs its own line and nothing else.
 """
@@ -25,9 +25,9 @@ _QUOTES = ('""', "''", "“”", "„“", "‘’", "«»")  # pairs
 
 @dataclass(frozen=True)
 class Card:
-    """What the file says. None and (): nothing, so that whoever uses it takes the default."""
+    """What the card is, and what the file says. None and (): nothing, so that whoever uses it takes the default."""
 
-    role: str | None = None  # one of ROLES
+    role: str = "robot"  # one of ROLES: not the file but the image that was written to the card decides
     arena: str | None = None  # the name of the arena to join, or under which the master announces itself
     name: str | None = None  # of the robot, also as its host
     wifi: str | None = None  # a network's name (SSID)
@@ -35,7 +35,7 @@ class Card:
     country: str | None = None  # ISO 3166, two capital letters
     time_zone: str | None = None  # of the zones that were given
     ssh_keys: tuple[str, ...] = ()  # lines of authorized_keys
-    operator_token: str | None = None
+    operator_token: str | None = None  # at least variables.SHORTEST_TOKEN characters
     camera: str | None = None  # as LASERBOT_CAMERA
 
 
@@ -57,19 +57,20 @@ class _Field(NamedTuple):
     is_secret: bool = False
     written: str = ""  # in the file, if not as in Card
     is_list: bool = False  # each line is one more
+    only: str = ""  # for cards with this role
 
     @property
     def key(self) -> str:
         return self.written or self.name
 
 
-def parse(content: bytes, zones: Collection[str]) -> tuple[Card, list[Mistake]]:
+def parse(content: bytes, zones: Collection[str], role: str) -> tuple[Card, list[Mistake]]:
     """The settings of a file with this content, and its mistakes in the order of their lines.
 
-    `zones` are the time zones that there are ("Europe/Berlin").
+    `zones` are the time zones that there are ("Europe/Berlin"), `role` is the card's.
     """
-    fields = {_letters(field.key): field for field in _fields(zones)}
-    found: dict[str, Any] = {}
+    fields = {_letters(field.key): field for field in _fields(zones, role)}
+    found: dict[str, Any] = {"role": role}
     lines: dict[str, int] = {}  # where each setting was found
     text, mistakes = _decode(content)
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
@@ -87,6 +88,8 @@ def parse(content: bytes, zones: Collection[str]) -> tuple[Card, list[Mistake]]:
             if not value.isprintable():
                 raise ValueError("there are characters in it that nobody sees: write it anew")
             value = field.parse(value)
+            if field.only not in ("", role):
+                raise ValueError(f"is for a {field.only}'s card only")
         except ValueError as error:
             given = "" if field.is_secret else f" = {shown(value)}"
             mistakes.append(Mistake(number, f"{field.key}{given}: {error}"))
@@ -94,7 +97,7 @@ def parse(content: bytes, zones: Collection[str]) -> tuple[Card, list[Mistake]]:
         if field.is_list:
             found[field.name] = (*found.get(field.name, ()), value)
         else:
-            if field.name in found:
+            if field.name in lines:
                 mistakes.append(
                     Mistake(number, f"{field.key} stands in line {lines[field.name]}, too: this one counts")
                 )
@@ -103,16 +106,18 @@ def parse(content: bytes, zones: Collection[str]) -> tuple[Card, list[Mistake]]:
     return Card(**found), mistakes
 
 
-def render() -> str:
-    """The file as it is on a new card: each setting explained, none set. Its lines end as Windows' do, for which old
-    editors there ask."""
+def render(role: str) -> str:
+    """The file as it is on a new card with this role: each of its settings explained, none set. Its lines end as
+    Windows' do, for which old editors there ask."""
     lines = [
         "# What this card is. All of it is optional: a card with this file as it is works, too.",
         "# To set something, remove the # before it and write your own value. It counts from the next start on.",
         f"# What cannot be understood is left out, and told in {FILE.replace('.', '-errors.')} beside this file.",
         "# Whoever holds this card can read what is in this file, passwords too.",
     ]
-    for field in _fields(("Europe/Berlin",)):
+    for field in _fields(("Europe/Berlin",), role):
+        if field.only not in ("", role):
+            continue
         lines += ["", *(f"# {line}" for line in field.text.split("\n")), f"#{field.key} = {field.example}"]
     return "\r\n".join([*lines, ""])
 
@@ -163,10 +168,15 @@ def _unquoted(value: str) -> str:
     return value[1:-1] if len(value) > 1 and value[0] + value[-1] in _QUOTES else value
 
 
-def _fields(zones: Collection[str]) -> tuple[_Field, ...]:
+def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
     """All settings, in the order of the file."""
     return (
-        _Field("role", _role, "robot", "What the card makes of this Raspberry Pi: robot or master."),
+        _Field(
+            "role",
+            lambda text: _role(text, role),
+            role,
+            "What this card makes of a Raspberry Pi. It is here to be read: another role is another image.",
+        ),
         _Field(
             "arena",
             variables.ARENA_NAME.parse,
@@ -179,6 +189,7 @@ def _fields(zones: Collection[str]) -> tuple[_Field, ...]:
             _host_name,
             "raspberrypi1",
             "The robot's name, also in the network (raspberrypi1.local). Each robot has another one.",
+            only="robot",
         ),
         _Field("wifi", _wifi, "Arena", "The Wi-Fi's name. With a cable, none is needed."),
         _Field("wifi_password", _wifi_password, "correct horse", "Its password (WPA).", is_secret=True),
@@ -198,22 +209,26 @@ def _fields(zones: Collection[str]) -> tuple[_Field, ...]:
             "operator_token",
             variables.OPERATOR_TOKEN.parse,
             "a long secret of yours",
-            f"Opens the operator's desk, on a master. At least {variables.SHORTEST_TOKEN} characters.",
+            f"Opens the operator's desk. At least {variables.SHORTEST_TOKEN} characters.",
             is_secret=True,
+            only="master",
         ),
         _Field(
             "camera",
             _camera,
             "libcamera",
             "The robot's camera: libcamera for the Raspberry Pi's own, /dev/video0 for one at USB.",
+            only="robot",
         ),
     )
 
 
-def _role(text: str) -> str:
+def _role(text: str, own: str) -> str:
     if text.lower() not in ROLES:
         raise ValueError(f"must be {' or '.join(ROLES)}")
-    return text.lower()
+    if text.lower() != own:
+        raise ValueError(f"this is a {own}'s card; a {text.lower()}'s is made from laserbot-{text.lower()}.img.xz")
+    return own
 
 
 def _host_name(text: str) -> str:
@@ -280,4 +295,4 @@ def _camera(text: str) -> str:
 
 if __name__ == "__main__":
     sys.stdout.reconfigure(newline="")  # type: ignore[union-attr]
-    sys.stdout.write(render())
+    sys.stdout.write(render(sys.argv[1]))

@@ -1,4 +1,4 @@
-"""Runs the robot's containers as laserbot.txt says, at each start once the engine answers.
+"""Runs the card's containers as laserbot.txt says, at each start once the engine answers.
 
     python3 -m cards.run [--boot FOLDER]
 
@@ -16,12 +16,12 @@ from pathlib import Path
 from typing import Any, BinaryIO, Protocol
 
 from cards.containers import LABEL, Container, containers
-from cards.start import read
+from cards.start import own_role, read
 
 HERE = Path(__file__).resolve().parents[1]
-IMAGE = HERE / "robot.tar"
+IMAGE = HERE / "image.tar"
 DESCRIBED = HERE / "containers"
-CAMERA = "laserbot-camera"  # the only one that a card may do without
+CAMERA = "laserbot-camera"  # the only one that a robot may do without
 
 
 class Engine(Protocol):
@@ -39,7 +39,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--boot", type=Path, default=Path("/boot/firmware"), help="the card's first partition")
     arguments = parser.parse_args()
-    card, _ = read(arguments.boot)
+    card, _ = read(arguments.boot, own_role())
     described = {path.stem: json.loads(path.read_text()) for path in DESCRIBED.iterdir()}
     arrange(Socket("/run/docker.sock"), containers(card, socket.gethostname(), described), IMAGE)
     return 0
@@ -66,7 +66,7 @@ def arrange(engine: Engine, wanted: Mapping[str, Container], image: Path) -> Non
 
 def _start(engine: Engine, name: str, container: Container, image: Path) -> None:
     if engine.ask("GET", f"/images/{container['Image']}/json")[0] != 200:
-        print("loading the robot's image", file=sys.stderr)
+        print("loading the image", file=sys.stderr)
         with image.open("rb") as archive:
             _do(engine, "POST", "/images/load?quiet=1", archive)
     _do(engine, "POST", f"/containers/create?name={name}", container)

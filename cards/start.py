@@ -8,7 +8,6 @@ file. Nothing is written that is as it should be already.
 """
 
 import argparse
-import dataclasses
 import os
 import shutil
 import sys
@@ -26,12 +25,17 @@ def main() -> int:
     parser.add_argument("--boot", type=Path, default=Path("/boot/firmware"), help="the card's first partition")
     parser.add_argument("--root", type=Path, default=Path("/"), help="the system")
     arguments = parser.parse_args()
-    start(arguments.boot, arguments.root)
+    start(arguments.boot, arguments.root, own_role())
     return 0
 
 
-def start(boot: Path, root: Path) -> None:
-    card, mistakes = read(boot)
+def own_role() -> str:
+    """The card's, one of ROLES."""
+    return (Path(__file__).resolve().parents[1] / "role").read_text().strip()
+
+
+def start(boot: Path, root: Path, role: str) -> None:
+    card, mistakes = read(boot, role)
     decided = files(card)
     if not (root / HOST_NAME[1:]).exists():
         decided.setdefault(HOST_NAME, File(f"{own_name(_serial(root))}\n"))
@@ -40,15 +44,11 @@ def start(boot: Path, root: Path) -> None:
     _tell(boot / ERRORS, mistakes)
 
 
-def read(boot: Path) -> tuple[Card, list[Mistake]]:
-    """What the file on the first partition says, as far as this card can be it, and the file's mistakes."""
+def read(boot: Path, role: str) -> tuple[Card, list[Mistake]]:
+    """What the file on the first partition says to a card with this role, and the file's mistakes."""
     content, mistakes = _read(boot / FILE)
-    card, wrong = parse(content, zoneinfo.available_timezones())
-    mistakes += wrong
-    if card.role == "master":
-        mistakes.append(Mistake(0, "role = master: there is only a robot on this card"))
-        card = dataclasses.replace(card, role=None)
-    return card, mistakes
+    card, wrong = parse(content, zoneinfo.available_timezones(), role)
+    return card, mistakes + wrong
 
 
 def _read(path: Path) -> tuple[bytes, list[Mistake]]:

@@ -1,5 +1,6 @@
-"""For the tests of cards: one image, built by what `make cards` calls."""
+"""For the tests of cards: the images, built by what `make cards` calls."""
 
+import os
 import subprocess
 from pathlib import Path
 
@@ -9,9 +10,18 @@ from tests.support.programs import ROOT
 
 
 @pytest.fixture(scope="session")
-def image() -> Path:
-    subprocess.run([ROOT / "ci/cards", "--plain"], check=True)
-    return ROOT / "build/cards/laserbot-robot.img"
+def robot_image() -> Path:
+    return built("robot")
+
+
+@pytest.fixture(scope="session")
+def master_image() -> Path:
+    return built("master")
+
+
+def built(role: str) -> Path:
+    subprocess.run([ROOT / "ci/cards", role], env={**os.environ, "PLAIN": "1"}, check=True)
+    return ROOT / f"build/cards/laserbot-{role}.img"
 
 
 @pytest.fixture

@@ -1,49 +1,94 @@
-"""The robot's card starts on a Raspberry Pi, and is what its laserbot.txt says, even if its power is cut."""
+"""The cards: what is on them, and that they start on a Raspberry Pi as what their laserbot.txt says, even if their
+power is cut."""
 
+import json
 import shutil
 from pathlib import Path
 
 import pytest
+import yaml
 
 from cards.laserbot_txt import render
 from tests.support.polling import until
-from tests.support.raspberry_pi import FIRST_PARTITION, RaspberryPi, card_file, partitions, put_card_file
+from tests.support.programs import ROOT
+from tests.support.raspberry_pi import (
+    FIRST_PARTITION,
+    RaspberryPi,
+    card_file,
+    partitions,
+    put_card_file,
+    system_file,
+    system_folder,
+)
 
 # a Raspberry Pi in an emulator takes minutes to start
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(7200)]
 
 ENVIRONMENT = "sudo docker inspect --format '{{range .Config.Env}}{{println .}}{{end}}' laserbot-robot"
-WHY = "systemctl --failed --no-legend; sudo journalctl --no-pager --lines 40 --unit docker --unit laserbot-robot"
+WHY = "systemctl --failed --no-legend; sudo journalctl --no-pager --lines 40 --unit docker --unit laserbot-containers"
+MASTER = yaml.safe_load((ROOT / "ansible/roles/master/vars/main.yml").read_text())["master_services"]
+TOKEN = "correct horse battery staple"
+SIGN_IN = f"""python3 -c '
+from urllib.request import *
+form = b"token={TOKEN}"
+print(urlopen("http://localhost/operator/login", form).url)
+'"""
 
 
-def wait_for_the_robot(pi: RaspberryPi) -> None:
-    """Until its program looks for an arena. The container's health check has too little time in an emulator."""
+def wait_for_the_containers(pi: RaspberryPi) -> None:
     try:
-        until(lambda: pi.run("systemctl is-active laserbot-robot || true") == "active\n", 1800)
-        until(lambda: "no arena announces itself" in pi.run("sudo journalctl --boot -t laserbot-robot"), 300)
+        until(lambda: pi.run("systemctl is-active laserbot-containers || true") == "active\n", 1800)
     except AssertionError as error:
         error.add_note(pi.run(WHY))
         raise
 
 
-def test_any_computer_reads_the_first_partition(image: Path) -> None:
-    first, second = partitions(image)
-    assert (first["start"], first["type"], second["type"]) == (FIRST_PARTITION // 512, "c", "83")
-    assert card_file(image, "laserbot.txt").decode() == render()
+def wait_for_the_robot(pi: RaspberryPi) -> None:
+    """Until its program looks for an arena. The container's health check has too little time in an emulator."""
+    wait_for_the_containers(pi)
+    until(lambda: "no arena announces itself" in pi.run("sudo journalctl --boot -t laserbot-robot"), 300)
 
 
-def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(image: Path, key: Path, tmp_path: Path) -> None:
-    card = tmp_path / "card.img"
+def of(image: Path, folder: Path, *settings: str) -> Path:
+    """A card of one's own with these lines in its laserbot.txt."""
+    card = folder / "card.img"
     shutil.copy(image, card)
-    public = key.with_suffix(".pub").read_text()
-    settings = f"name = raspberrypi7\r\ntime zone = Europe/Berlin\r\nrole = both\r\nssh key = {public}"
-    put_card_file(card, "laserbot.txt", settings.encode())
-    pi = RaspberryPi(tmp_path, card, key)
+    put_card_file(card, "laserbot.txt", "\r\n".join([*settings, ""]).encode())
+    return card
+
+
+def test_a_robots_card_has_all_that_it_needs(robot_image: Path) -> None:
+    holds(robot_image, "robot", "rosberry", ["camera", "camera-libcamera", "robot"])
+
+
+def test_a_masters_card_has_all_that_it_needs(master_image: Path) -> None:
+    holds(master_image, "master", "webserver", [service["name"].removeprefix("laserbot-") for service in MASTER])
+
+
+def holds(card: Path, role: str, image: str, containers: list[str]) -> None:
+    first, second = partitions(card)
+    assert (first["start"], first["type"], second["type"]) == (FIRST_PARTITION // 512, "c", "83")
+    assert card_file(card, "laserbot.txt").decode() == render(role)
+    assert system_file(card, "opt/laserbot-card/role") == f"{role}\n"
+    folder = "opt/laserbot-card/containers"
+    assert set(system_folder(card, folder)) == {f"{name}.json" for name in containers}
+    for name in containers:
+        container = json.loads(system_file(card, f"{folder}/{name}.json"))
+        assert container["Image"].partition(":")[0] == image
+        assert container["HostConfig"]["RestartPolicy"]["Name"] == "unless-stopped"
+
+
+def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
+    robot_image: Path, key: Path, tmp_path: Path
+) -> None:
+    public = key.with_suffix(".pub").read_text().strip()
+    settings = ("name = raspberrypi7", "time zone = Europe/Berlin", "role = both", f"ssh key = {public}")
+    pi = RaspberryPi(tmp_path, of(robot_image, tmp_path, *settings), key)
     with pi.on():
         assert pi.run("hostname; date +%Z").split()[0] == "raspberrypi7"
         assert pi.run("readlink /etc/localtime") == "/usr/share/zoneinfo/Europe/Berlin\n"
         told = pi.run("sudo cat /boot/firmware/laserbot-errors.txt")
-        assert told == "laserbot.txt, line 3: role = both: must be robot or master\r\n"
+        assert told == "laserbot.txt, line 3: role = both: must be robot or master\n"
         wait_for_the_robot(pi)
         assert "LASERBOT_ROBOT_NAME=raspberrypi7\n" in pi.run(ENVIRONMENT)
         assert pi.run("systemctl --failed --plain --no-legend") == ""
@@ -60,3 +105,20 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(image: Pa
     with pi.on():
         assert pi.run("hostname; ls /etc/kept 2>/dev/null || true") == "raspberrypi7\n"
         wait_for_the_robot(pi)
+
+
+def test_a_masters_card_serves_the_game_and_announces_it(master_image: Path, key: Path, tmp_path: Path) -> None:
+    public = key.with_suffix(".pub").read_text().strip()
+    settings = ("arena = hall", f"operator_token = {TOKEN}", f"ssh_key = {public}", "name = raspberrypi7")
+    pi = RaspberryPi(tmp_path, of(master_image, tmp_path, *settings), key)
+    with pi.on():
+        assert pi.run("hostname") == "laser-bot-master\n"
+        told = pi.run("sudo cat /boot/firmware/laserbot-errors.txt")
+        assert told == "laserbot.txt, line 4: name = raspberrypi7: is for a robot's card only\n"
+        wait_for_the_containers(pi)
+        running = pi.run("sudo docker ps --format '{{.Names}}'").split()
+        assert sorted(running) == sorted(service["name"] for service in MASTER)
+        announced = "sudo journalctl --boot -t laserbot-announcer"
+        until(lambda: "arena 'hall' is announced" in pi.run(announced), 1800, "it announces itself")
+        signed_in = "http://localhost/operator\n"
+        until(lambda: pi.run(f"{SIGN_IN} 2>/dev/null || true") == signed_in, 1800, "the operator can sign in")

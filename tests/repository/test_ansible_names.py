@@ -11,7 +11,7 @@ NAME = rf"(?:{PREFIXES})_[a-z0-9_]+"
 USED = re.compile(rf"(?<![\w./'\"-])({NAME})\b(?![:/-]|\.j2|\.yml)")
 SET = re.compile(rf"(?:^|[\s{{])({NAME}):|(?:register|loop_var): ({NAME})", re.MULTILINE)
 # given to the command: ansible-playbook -e, or by ci/cards
-GIVEN = {"card_image", "k3s_backup", "k3s_backup_delay", "k3s_backup_retries", "k3s_overlay"}
+GIVEN = {"card_image", "card_role", "k3s_backup", "k3s_backup_delay", "k3s_backup_retries", "k3s_overlay"}
 
 
 def test_every_variable_is_set() -> None:

@@ -88,6 +88,23 @@ class RaspberryPi:
         return subprocess.run(["ssh", *words, *target, command], capture_output=True, text=True, check=False)
 
 
+def system_file(image: Path, name: str) -> str:
+    """A file of a card's second partition."""
+    return _unsquashfs(image, "-cat", name)
+
+
+def system_folder(image: Path, name: str) -> list[str]:
+    """The files in a folder of a card's second partition, by name."""
+    listed = _unsquashfs(image, "-l", name).splitlines()
+    return sorted(line.rpartition("/")[2] for line in listed if f"/{name}/" in line)
+
+
+def _unsquashfs(image: Path, how: str, name: str) -> str:
+    start = int(str(partitions(image)[1]["start"])) * 512
+    command = ["unsquashfs", "-o", str(start), how, str(image), name]
+    return subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True).stdout
+
+
 def partitions(image: Path) -> list[dict[str, object]]:
     """Of a disk, as sfdisk lists them."""
     printed = subprocess.run(["sfdisk", "--json", str(image)], stdout=subprocess.PIPE, check=True).stdout

@@ -1,11 +1,11 @@
-"""The robot's containers on a card: what laserbot.txt makes of them, and which the engine is given."""
+"""The containers on a card: what laserbot.txt makes of them, and which the engine is given."""
 
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-from cards.containers import LABEL, Container, containers
+from cards.containers import Container, containers
 from cards.laserbot_txt import Card
 from cards.run import EngineError, arrange
 
@@ -15,8 +15,12 @@ DESCRIBED: dict[str, Container] = {
         "Env": ["LASERBOT_ROBOT_NAME=card", "LASERBOT_ARENA=", "LASERBOT_CAMERA=", "PATH=/usr/bin"],
         "HostConfig": {"ReadonlyRootfs": True},
     },
-    "camera": {"Image": "rosberry:1", "Env": ["LASERBOT_CAMERA=/dev/video0"], "Labels": {"title": "robot"}},
-    "camera-libcamera": {"Image": "rosberry:1", "Env": ["LASERBOT_CAMERA=libcamera"], "Labels": None},
+    "camera": {"Image": "rosberry:1", "Env": ["LASERBOT_CAMERA=/dev/video0"]},
+    "camera-libcamera": {"Image": "rosberry:1", "Env": ["LASERBOT_CAMERA=libcamera"]},
+}
+OF_A_MASTER: dict[str, Container] = {
+    "web": {"Image": "webserver:1", "Env": ["LASERBOT_FLOOR=battle"]},
+    "announcer": {"Image": "webserver:1", "Env": ["LASERBOT_ARENA=laser-bot-master"]},
 }
 
 
@@ -53,8 +57,8 @@ class Engine:
 
 @pytest.fixture
 def image(tmp_path: Path) -> Path:
-    (tmp_path / "robot.tar").write_text("rosberry:1")
-    return tmp_path / "robot.tar"
+    (tmp_path / "image.tar").write_text("rosberry:1")
+    return tmp_path / "image.tar"
 
 
 ANY = Card()
@@ -71,12 +75,29 @@ def test_an_unchanged_card_runs_the_robot_that_looks_for_the_only_arena() -> Non
     assert robot["HostConfig"] == {"ReadonlyRootfs": True}
 
 
-@pytest.mark.parametrize("camera, rest", [("/dev/video2", {"title": "robot"}), ("libcamera", {})])
-def test_the_settings_reach_the_containers_that_know_them(camera: str, rest: dict[str, str]) -> None:
+@pytest.mark.parametrize("camera", ["/dev/video2", "libcamera"])
+def test_the_settings_reach_the_containers_that_know_them(camera: str) -> None:
     found = wanted(Card(arena="hall", camera=camera))
     assert {"LASERBOT_ARENA=hall", f"LASERBOT_CAMERA={camera}"} <= set(found["laserbot-robot"]["Env"])
     assert found["laserbot-camera"]["Env"] == [f"LASERBOT_CAMERA={camera}"]
-    assert {key: value for key, value in found["laserbot-camera"]["Labels"].items() if key != LABEL} == rest
+
+
+@pytest.mark.parametrize(
+    "card, announced", [(Card(role="master"), "laser-bot-master"), (Card(role="master", arena="hall"), "hall")]
+)
+def test_a_masters_card_runs_all_that_a_master_has(card: Card, announced: str, image: Path) -> None:
+    found = containers(card, "laser-bot-master", OF_A_MASTER)
+    assert {name: container["Env"] for name, container in found.items()} == {
+        "laserbot-web": ["LASERBOT_FLOOR=battle"],
+        "laserbot-announcer": [f"LASERBOT_ARENA={announced}"],
+    }
+    image.write_text("webserver:1")
+    engine = Engine()
+    arrange(engine, found, image)
+    assert {name: found["State"]["Status"] for name, found in engine.containers.items()} == {
+        "laserbot-web": "running",
+        "laserbot-announcer": "running",
+    }
 
 
 def test_the_first_start_loads_the_image_once_and_runs_all(image: Path) -> None:

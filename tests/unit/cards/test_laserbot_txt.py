@@ -19,7 +19,7 @@ TOKEN = "0123456789abcdef"
     "line, expected",
     [
         ("role = master", Card(role="master")),
-        ("ROLE=Robot", Card(role="robot")),
+        ("ROLE=Robot", Card()),
         ("arena = Große Halle", Card(arena="Große Halle")),
         ("name = RaspberryPi7", Card(name="raspberrypi7")),
         ("Name: raspberrypi7", Card(name="raspberrypi7")),
@@ -36,10 +36,10 @@ TOKEN = "0123456789abcdef"
         ("time zone = europe/berlin", Card(time_zone="Europe/Berlin")),
         ("TimeZone: America/New York", Card(time_zone="America/New_York")),
         (f"ssh_key = {KEY} me@my computer", Card(ssh_keys=(f"{KEY} me@my computer",))),
-        (f"operator_token = {TOKEN}", Card(operator_token=TOKEN)),
+        (f"operator_token = {TOKEN}", Card(role="master", operator_token=TOKEN)),
         ("camera = LibCamera", Card(camera="libcamera")),
         ("camera = /dev/video0", Card(camera="/dev/video0")),
-        ("\ufeff\u200b  role\u00a0=\u00a0robot\u200b\u00a0\t", Card(role="robot")),
+        ("\ufeff\u200b  role\u00a0=\u00a0robot\u200b\u00a0\t", Card()),
         ("   # role = master", Card()),
         ("role =", Card()),
         ('arena = ""', Card()),
@@ -47,13 +47,15 @@ TOKEN = "0123456789abcdef"
     ],
 )
 def test_a_line_is_understood(line: str, expected: Card) -> None:
-    assert parse(line.encode(), ZONES) == (expected, [])
+    assert parse(line.encode(), ZONES, expected.role) == (expected, [])
 
 
 @pytest.mark.parametrize(
     "line, told",
     [
         ("role = Roboter", "role = Roboter: must be robot or master"),
+        ("role = Master", "role = Master: this is a robot's card; a master's is made from laserbot-master.img.xz"),
+        (f"operator_token = {TOKEN}", "operator_token: is for a master's card only"),
         ("arenas = hall", "there is no such setting; the nearest is arena"),
         ("wifi_pasword = secret word", "there is no such setting; the nearest is wifi_password"),
         ("ssh_keys = x", "there is no such setting; the nearest is ssh_key"),
@@ -96,38 +98,55 @@ def test_a_line_is_understood(line: str, expected: Card) -> None:
     ],
 )
 def test_a_wrong_line_is_told_and_costs_nothing_else(line: str, told: str) -> None:
-    card, [mistake] = parse(f"# hall\r\n{line}\r\ncountry = FR\r\n".encode(), ZONES)
+    card, [mistake] = parse(f"# hall\r\n{line}\r\ncountry = FR\r\n".encode(), ZONES, "robot")
     assert card == Card(country="FR")
     assert mistake.line == 2
     assert told in mistake.text
     assert str(mistake) == f"laserbot.txt, line 2: {mistake.text}"
 
 
+@pytest.mark.parametrize(
+    "line, told",
+    [
+        ("role = robot", "role = robot: this is a master's card; a robot's is made from laserbot-robot.img.xz"),
+        ("name = raspberrypi7", "name = raspberrypi7: is for a robot's card only"),
+        ("camera = libcamera", "camera = libcamera: is for a robot's card only"),
+        (f"operator_token = {TOKEN[:-1]}", "operator_token: the token needs at least 16 characters"),
+    ],
+)
+def test_a_masters_card_is_no_robots(line: str, told: str) -> None:
+    card, [mistake] = parse(f"{line}\narena = hall\n".encode(), ZONES, "master")
+    assert card == Card(role="master", arena="hall")
+    assert str(mistake).startswith(f"laserbot.txt, line 1: {told}")
+
+
 def test_no_secret_is_in_what_is_told() -> None:
     secret = "hunter2"
     lines = [f"wifi_password = {secret}", f"operator_token = {secret}", f"wifipasswort {secret}", f"{secret} = x"]
     lines += [f"ssh_key = {secret}", f"wifi_passwd: {secret}"]
-    _, mistakes = parse("\n".join(lines).encode(), ZONES)
+    _, mistakes = parse("\n".join(lines).encode(), ZONES, "master")
     assert [mistake.line for mistake in mistakes] == [1, 2, 3, 4, 5, 6]
     assert not [mistake for mistake in mistakes if secret in str(mistake)]
 
 
 def test_each_key_is_one_more_and_of_other_settings_the_last_counts() -> None:
-    card, mistakes = parse(f"ssh_key={KEY} a\nssh_key={KEY} b\nrole=robot\nrole=master\nrole=\n".encode(), ZONES)
-    assert card == Card(ssh_keys=(f"{KEY} a", f"{KEY} b"), role="master")
-    assert mistakes == [Mistake(4, "role stands in line 3, too: this one counts")]
+    card, mistakes = parse(
+        f"ssh_key={KEY} a\nssh_key={KEY} b\narena=hall\narena=yard\narena=\n".encode(), ZONES, "robot"
+    )
+    assert card == Card(ssh_keys=(f"{KEY} a", f"{KEY} b"), arena="yard")
+    assert mistakes == [Mistake(4, "arena stands in line 3, too: this one counts")]
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
 def test_any_editor_will_do(encoding: str, end: str) -> None:
     content = end.join(["arena = Große Halle", "", "wifi = Arena"]).encode(encoding)
-    assert parse(content, ZONES) == (Card(arena="Große Halle", wifi="Arena"), [])
+    assert parse(content, ZONES, "robot") == (Card(arena="Große Halle", wifi="Arena"), [])
 
 
 def test_an_old_editors_letters_are_read_and_told() -> None:
-    card, mistakes = parse("role = robot\r\narena = Große Halle".encode("cp1252"), ZONES)
-    assert card == Card(role="robot", arena="Große Halle")
+    card, mistakes = parse("role = robot\r\narena = Große Halle".encode("cp1252"), ZONES, "robot")
+    assert card == Card(arena="Große Halle")
     assert [mistake.line for mistake in mistakes] == [2]
 
 
@@ -135,35 +154,40 @@ def test_an_old_editors_letters_are_read_and_told() -> None:
     "content", [b"\0" * 512, b"\xff\xfe\x00", b"\xfe\xff", bytes(range(256)) * 16, b"=" * 999, b"\x81\r\n"]
 )
 def test_nothing_in_the_file_stops_the_start(content: bytes) -> None:
-    parse(content, ZONES)
-    card, _ = parse(b"country = FR\n" + content, ZONES)
+    parse(content, ZONES, "robot")
+    card, _ = parse(b"country = FR\n" + content, ZONES, "robot")
     assert card.country == "FR"
 
 
 def test_a_file_that_a_pulled_plug_has_emptied_is_told() -> None:
-    card, [mistake] = parse(b"\0" * 512, ZONES)
+    card, [mistake] = parse(b"\0" * 512, ZONES, "robot")
     assert card == Card()
     assert str(mistake).startswith("laserbot.txt: there is nothing in it but zeros")
-    assert parse(b"", ZONES) == (Card(), [])
+    assert parse(b"", ZONES, "robot") == (Card(), [])
 
 
 def test_the_rest_of_an_endless_file_is_told() -> None:
-    content = b"role = robot\n" + b"#" * LONGEST + b"\nrole = master"
-    assert parse(content, ZONES) == (Card(role="robot"), [Mistake(0, f"only the first {LONGEST} bytes are read")])
+    content = b"arena = hall\n" + b"#" * LONGEST + b"\narena = yard"
+    assert parse(content, ZONES, "robot") == (
+        Card(arena="hall"),
+        [Mistake(0, f"only the first {LONGEST} bytes are read")],
+    )
 
 
-def test_a_new_card_sets_nothing_and_explains_everything() -> None:
-    assert parse(render().encode(), ZONES) == (Card(), [])
+@pytest.mark.parametrize("role, others", [("robot", {"operator_token"}), ("master", {"name", "camera"})])
+def test_a_new_card_sets_nothing_and_explains_everything(role: str, others: set[str]) -> None:
+    assert parse(render(role).encode(), ZONES, role) == (Card(role=role), [])
     # each setting is there as an example that holds once its # is removed
-    card, mistakes = parse(re.sub(r"^#(?=\w+ = )", "", render(), flags=re.MULTILINE).encode(), ZONES)
+    card, mistakes = parse(re.sub(r"^#(?=\w+ = )", "", render(role), flags=re.MULTILINE).encode(), ZONES, role)
     assert not mistakes
-    assert all(getattr(card, field.name) for field in fields(Card))
-    assert max(map(len, render().splitlines())) <= 120
+    assert {field.name for field in fields(Card) if not getattr(card, field.name)} == others
+    assert max(map(len, render(role).splitlines())) <= 120
 
 
-def test_the_program_prints_the_file_with_the_line_ends_of_windows() -> None:
+@pytest.mark.parametrize("role", ["robot", "master"])
+def test_the_program_prints_the_file_with_the_line_ends_of_windows(role: str) -> None:
     environ = {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT}/laser_bot_battle/src"}
-    command = ["/usr/bin/python3", "-m", "cards.laserbot_txt"]
+    command = ["/usr/bin/python3", "-m", "cards.laserbot_txt", role]
     printed = subprocess.run(command, cwd=ROOT, env=environ, stdout=subprocess.PIPE, check=True).stdout
-    assert printed == render().encode()
+    assert printed == render(role).encode()
     assert printed.count(b"\r\n") == printed.count(b"\n") > 20

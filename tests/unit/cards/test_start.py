@@ -32,7 +32,7 @@ def root(tmp_path: Path) -> Path:
 )
 def test_a_host_has_a_name_of_its_own(line: str, expected: str, boot: Path, root: Path) -> None:
     (boot / "laserbot.txt").write_text(line)
-    start(boot, root)
+    start(boot, root, "robot")
     assert (root / "etc/hostname").read_text() == f"{expected}\n"
 
 
@@ -51,8 +51,8 @@ def test_the_wifi_is_joined_whatever_its_name_is(card: Card, lines: list[str]) -
 
 
 def test_a_new_card_starts_without_a_word(boot: Path, root: Path) -> None:
-    (boot / "laserbot.txt").write_text(render())
-    start(boot, root)
+    (boot / "laserbot.txt").write_text(render("robot"))
+    start(boot, root, "robot")
     assert (root / "etc/hostname").read_text() == "raspberrypi-cdef12\n"
     assert [path.name for path in (root / "etc").iterdir()] == ["hostname"]
     assert not (boot / ERRORS).exists()
@@ -60,12 +60,12 @@ def test_a_new_card_starts_without_a_word(boot: Path, root: Path) -> None:
 
 def test_what_is_said_holds(boot: Path, root: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     owned = []
-    monkeypatch.setattr("cards.start.shutil.chown", lambda path, user, group: owned.append((path, user, group)))
+    monkeypatch.setattr("cards.start.shutil.chown", lambda path, user, group: owned.append((path.name, user, group)))
     (boot / "laserbot.txt").write_text(f"time_zone = Europe/Paris\nssh_key = {KEY}\nwifi = hall\nname = r1\n")
-    start(boot, root)
+    start(boot, root, "robot")
     assert (root / "etc/localtime").readlink() == Path("/usr/share/zoneinfo/Europe/Paris")
     assert (root / KEYS[1:]).read_text() == f"{KEY}\n"
-    assert [user for _, user, _ in owned] == ["pi"]
+    assert owned == [("authorized_keys.new", "pi", "pi")]
     for secret in (KEYS, WIFI):
         assert (root / secret[1:]).stat().st_mode & 0o777 == 0o600
 
@@ -75,17 +75,17 @@ def test_what_is_not_said_is_left_to_others(boot: Path, root: Path) -> None:
     (root / "etc").mkdir()
     (root / "etc/hostname").write_text("raspberrypi5\n")
     (root / "etc/localtime").symlink_to("/usr/share/zoneinfo/Asia/Tokyo")
-    (boot / "laserbot.txt").write_text(render())
-    start(boot, root)
+    (boot / "laserbot.txt").write_text(render("robot"))
+    start(boot, root, "robot")
     assert (root / "etc/hostname").read_text() == "raspberrypi5\n"
     assert (root / "etc/localtime").readlink() == Path("/usr/share/zoneinfo/Asia/Tokyo")
 
 
 def test_nothing_is_written_that_is_as_it_should_be(boot: Path, root: Path) -> None:
     (boot / "laserbot.txt").write_text("name = r1\nrole = both\n")
-    start(boot, root)
+    start(boot, root, "robot")
     before = {path: path.lstat().st_ino for folder in (boot, root) for path in folder.rglob("*")}
-    start(boot, root)
+    start(boot, root, "robot")
     assert {path: path.lstat().st_ino for folder in (boot, root) for path in folder.rglob("*")} == before
 
 
@@ -93,27 +93,55 @@ def test_mistakes_are_told_beside_the_file_until_they_are_gone(
     boot: Path, root: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (boot / "laserbot.txt").write_text("name = r1\nrole = both\n")
-    start(boot, root)
+    start(boot, root, "robot")
     told = "laserbot.txt, line 2: role = both: must be robot or master"
     assert (boot / ERRORS).read_bytes() == f"{told}\r\n".encode()
     assert capsys.readouterr().err == f"{told}\n"
     assert (root / "etc/hostname").read_text() == "r1\n"
     (boot / "laserbot.txt").write_text("name = r1\n")
-    start(boot, root)
+    start(boot, root, "robot")
     assert not (boot / ERRORS).exists()
 
 
 def test_a_robots_card_is_no_master_and_says_so(boot: Path, root: Path) -> None:
-    (boot / "laserbot.txt").write_text("role = master\n")
-    start(boot, root)
-    assert (boot / ERRORS).read_text() == "laserbot.txt: role = master: there is only a robot on this card\n"
+    (boot / "laserbot.txt").write_text(f"role = master\noperator_token = {'0' * 16}\n")
+    start(boot, root, "robot")
+    told = (boot / ERRORS).read_text().splitlines()
+    assert [line.partition(":")[0] for line in told] == ["laserbot.txt, line 1", "laserbot.txt, line 2"]
+    assert [path.name for path in (root / "etc").iterdir()] == ["hostname"]
     assert (root / "etc/hostname").read_text() == "raspberrypi-cdef12\n"
 
 
+def test_a_masters_card_has_the_masters_name_and_the_operators_token(
+    boot: Path, root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    owned = []
+    monkeypatch.setattr("cards.start.shutil.chown", lambda path, user, group: owned.append((user, group)))
+    (boot / "laserbot.txt").write_text("operator_token = correct horse battery\n")
+    start(boot, root, "master")
+    token = root / "etc/laserbot/operator-token"
+    assert (root / "etc/hostname").read_text() == "laser-bot-master\n"
+    assert token.read_text() == "correct horse battery"
+    assert token.stat().st_mode & 0o777 == 0o400
+    assert owned == [(10001, 10001)], "the containers' user"
+    assert not (boot / ERRORS).exists()
+
+
+def test_a_token_that_is_too_short_is_refused_and_the_one_before_stays(boot: Path, root: Path) -> None:
+    token = root / "etc/laserbot/operator-token"
+    token.parent.mkdir(parents=True)
+    token.write_text("the one that Ansible has deployed")
+    (boot / "laserbot.txt").write_text(f"operator_token = {'x' * 15}\n")
+    start(boot, root, "master")
+    assert "line 1: operator_token: the token needs at least 16 characters" in (boot / ERRORS).read_text()
+    assert token.read_text() == "the one that Ansible has deployed"
+    assert (root / "etc/hostname").read_text() == "laser-bot-master\n"
+
+
 def test_a_card_without_the_file_or_even_its_partition_starts(boot: Path, root: Path) -> None:
-    start(boot, root)
+    start(boot, root, "robot")
     assert "cannot be read" in (boot / ERRORS).read_text()
     (boot / ERRORS).unlink()
     boot.rmdir()
-    start(boot, root)
+    start(boot, root, "robot")
     assert (root / "etc/hostname").read_text() == "raspberrypi-cdef12\n"
