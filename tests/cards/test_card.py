@@ -2,6 +2,7 @@
 power is cut."""
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -9,11 +10,16 @@ import pytest
 import yaml
 
 from cards.laserbot_txt import render
+from tests.integration.discovery.master import LanMaster
+from tests.support.avr import AVR_ROBOT, FIRMWARE, build
+from tests.support.lan import Lan, needs_root
 from tests.support.polling import until
-from tests.support.programs import ROOT
+from tests.support.programs import ROOT, Program
 from tests.support.raspberry_pi import (
     FIRST_PARTITION,
+    Cable,
     RaspberryPi,
+    arduino,
     card_file,
     partitions,
     put_card_file,
@@ -122,3 +128,35 @@ def test_a_masters_card_serves_the_game_and_announces_it(master_image: Path, key
         until(lambda: "arena 'hall' is announced" in pi.run(announced), 1800, "it announces itself")
         signed_in = "http://localhost/operator\n"
         until(lambda: pi.run(f"{SIGN_IN} 2>/dev/null || true") == signed_in, 1800, "the operator can sign in")
+
+
+@needs_root
+def test_a_robots_card_finds_a_master_and_drives_its_wheels(robot_image: Path, key: Path, tmp_path: Path) -> None:
+    """A whole Raspberry Pi, the Arduino's real firmware at its USB, in a network in which nobody gives addresses."""
+    build()
+    card = of(robot_image, tmp_path, f"ssh_key = {key.with_suffix('.pub').read_text().strip()}")
+    with Lan() as lan:
+        hall, cable = lan.machine(), lan.machine()
+        hall.ip("addr", "flush", "dev", "eth0", "scope", "global")
+        hall.ip("addr", "add", "169.254.9.1/16", "dev", "eth0")
+        pi = RaspberryPi(tmp_path, card, key, Cable(cable), arduino(8082))
+        words = (AVR_ROBOT, "--firmware", FIRMWARE, "--name", "virtual0", "--tcp", "8082", "--trace")
+        uno = cable.program(*words)
+        uno.wait_for("UART at")
+        with LanMaster(hall, "hall", tmp_path) as master, pi.on():
+            wait_for_the_containers(pi)
+            master.has_robot(1800)
+            ros = {"ROS_MASTER_URI": "http://169.254.9.1:11311", "ROS_IP": "169.254.9.1"}
+            drive = ("publish", "/Robot0/command", "0.025", "4000", "1", "0", "0")
+            driver = hall.python("tests.integration.robot.peers", *drive, env=ros)
+            try:
+                until(lambda: position(uno, "left") < -100 and position(uno, "right") > 100, 300, "it drives")
+            finally:
+                driver.kill()
+        uno.kill()
+
+
+def position(uno: Program, wheel: str) -> int:
+    """The wheel's, in half-steps, as the coils have moved it."""
+    found = re.findall(rf"coil {wheel} (-?\d+)\n", uno.output)
+    return int(found[-1]) if found else 0

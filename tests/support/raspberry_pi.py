@@ -1,12 +1,14 @@
-"""A whole Raspberry Pi 3 in QEMU, with a card in its slot and its network at a port of this machine."""
+"""A whole Raspberry Pi 3 in QEMU, with a card in its slot, a network, and perhaps an Arduino at its USB."""
 
 import json
 import os
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Protocol
 
+from tests.support.lan import Machine
 from tests.support.polling import until
 from tests.support.ports import free_port
 
@@ -29,11 +31,61 @@ def _mtools(program: str, image: Path, *arguments: str, content: bytes = b"") ->
     return subprocess.run(command, input=content, stdout=subprocess.PIPE, check=True).stdout
 
 
+class Network(Protocol):
+    """What the Pi's network card is joined to."""
+
+    netdev: str  # for QEMU
+    target: list[str]  # for ssh
+
+    def command(self, *words: str | Path) -> list[str]:
+        """The command that runs `words` where that network is."""
+
+
+class Port:
+    """No network but a port of this machine, for SSH."""
+
+    def __init__(self) -> None:
+        port = free_port()
+        self.netdev = f"user,restrict=on,hostfwd=tcp:127.0.0.1:{port}-:22"
+        self.target = ["-p", str(port), "pi@127.0.0.1"]
+
+    def command(self, *words: str | Path) -> list[str]:
+        return list(map(str, words))
+
+
+class Cable:
+    """The network of a machine of a LAN, which becomes a mere switch. The Pi gets no address from anybody."""
+
+    def __init__(self, machine: Machine) -> None:
+        self._machine = machine
+        self.netdev = "tap,ifname=port,script=no,downscript=no"
+        # what every host makes of its network card's own address, which QEMU begins with 40
+        self.target = ["pi@fe80::4254:ff:fe1a:5eb0%switch"]
+        machine.ip("addr", "flush", "dev", "eth0", "scope", "global")
+        machine.ip("link", "add", "switch", "type", "bridge", "mcast_snooping", "0")
+        machine.ip("tuntap", "add", "dev", "port", "mode", "tap")
+        for port in ("eth0", "port"):
+            machine.ip("link", "set", port, "master", "switch", "up")
+        machine.ip("link", "set", "switch", "up")
+
+    def command(self, *words: str | Path) -> list[str]:
+        return self._machine.command(*words)
+
+
+def arduino(port: int) -> list[str]:
+    """QEMU's words for an Arduino at the Pi's USB, whose serial port is that TCP port where the Pi's network is."""
+    chardev = f"socket,id=arduino,host=127.0.0.1,port={port},reconnect=1"
+    return ["-chardev", chardev, "-device", "usb-serial,chardev=arduino"]
+
+
 class RaspberryPi:
     """One that can be switched on and off as often as one likes. It keeps what it writes to its card."""
 
-    def __init__(self, folder: Path, card: Path, key: Path) -> None:
-        """`card`: an image of its own, which grows to SIZE. `key`: the private SSH key that opens it."""
+    def __init__(
+        self, folder: Path, card: Path, key: Path, network: Network | None = None, usb: Sequence[str] = ()
+    ) -> None:
+        """`card`: an image of its own, which grows to SIZE. `key`: the private SSH key that opens it. `usb`: QEMU's
+        words for what is plugged in."""
         self._folder = folder
         self._key = key
         # raw, as what was written to another format may be lost when the emulator is killed
@@ -42,22 +94,23 @@ class RaspberryPi:
         for name in ("vmlinuz", "initrd", "bcm2837-rpi-3-b.dtb"):  # what the Pi's own firmware would load
             (folder / name).write_bytes(card_file(card, name))
         self._words = card_file(card, "cmdline.txt").decode().strip()
-        self._ssh_port = free_port()
+        self._network = network or Port()
+        self._usb = usb
 
     @contextmanager
     def on(self) -> Iterator[None]:
         """Until the plug is pulled, at the end."""
-        boot = ["-kernel", "vmlinuz", "-initrd", "initrd", "-dtb", "bcm2837-rpi-3-b.dtb"]
+        kernel, initrd, dtb = (self._folder / name for name in ("vmlinuz", "initrd", "bcm2837-rpi-3-b.dtb"))
+        boot = ["-kernel", str(kernel), "-initrd", str(initrd), "-dtb", str(dtb)]
         # QEMU's watchdog resets the Pi as soon as it is started; its network card is busy while a wrong driver tries it
         emulated = "console=ttyAMA0,115200 systemd.watchdog_sec=off modprobe.blacklist=cdc_subset"
         words = ["-append", f"{self._words} {emulated}"]
         disk = ["-drive", f"if=sd,format=raw,file={self._card}"]
-        network = [f"user,id=lan,restrict=on,hostfwd=tcp:127.0.0.1:{self._ssh_port}-:22"]
-        lan = ["-netdev", *network, "-device", "usb-net,netdev=lan"]
+        lan = ["-netdev", f"{self._network.netdev},id=lan", "-device", "usb-net,netdev=lan,mac=52:54:00:1a:5e:b0"]
         screen = ["-display", "none", "-serial", f"file:{self._folder / 'serial.log'}", "-monitor", "none"]
         machine = ["qemu-system-aarch64", "-M", "raspi3b", "-m", "1G", "-no-reboot"]
-        command = [*machine, *boot, *words, *disk, *lan, *screen]
-        self._pi = subprocess.Popen(command, cwd=self._folder, stdin=subprocess.DEVNULL)
+        command = self._network.command(*machine, *boot, *words, *disk, *lan, *self._usb, *screen)
+        self._pi = subprocess.Popen(command, stdin=subprocess.DEVNULL)
         try:
             yield
         finally:
@@ -84,8 +137,8 @@ class RaspberryPi:
         options = ["BatchMode=yes", "StrictHostKeyChecking=no", f"UserKnownHostsFile={self._folder / 'known_hosts'}"]
         options += ["ConnectTimeout=60", "LogLevel=ERROR"]
         words = [word for option in options for word in ("-o", option)]
-        target = ["-i", str(self._key), "-p", str(self._ssh_port), "pi@127.0.0.1"]
-        return subprocess.run(["ssh", *words, *target, command], capture_output=True, text=True, check=False)
+        ssh = self._network.command("ssh", *words, "-i", self._key, *self._network.target, command)
+        return subprocess.run(ssh, capture_output=True, text=True, check=False)
 
 
 def system_file(image: Path, name: str) -> str:
