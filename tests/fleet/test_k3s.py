@@ -42,7 +42,7 @@ case "$*" in
         rm $secret && echo 'secret "operator" deleted'
     done
     ;;
-*" delete poddisruptionbudget --ignore-not-found master arena")
+*" delete poddisruptionbudget --ignore-not-found arena master")
     [ ! -e {NOTES}/budgets ] || {{ cat {NOTES}/budgets; rm {NOTES}/budgets; }} ;;
 *" get secret operator "*) grep -l '"kind": "Secret"' -r {NOTES} --exclude=calls | xargs -r ls -t | head -n 1 ;;
 *" patch deployment master "*)
