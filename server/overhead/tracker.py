@@ -64,9 +64,9 @@ class Tracker:
         if self._sight.view is None:
             self._robots.forget()
             return
-        if not self._sight.is_sure:  # it may be another camera's picture: the robots are taken as covered
-            return
-        robots = {number: several for number, several in by_number.items() if number in ROBOT_IDS}
+        # it may be another camera's picture: then it shows none of the robots
+        shown = ROBOT_IDS if self._sight.is_sure else ()
+        robots = {number: several for number, several in by_number.items() if number in shown}
         self._robots.see(self._robot_places(self._sight.view, robots, taken), taken)
 
     def robots(self, now: float) -> list[Seen]:

@@ -315,9 +315,11 @@ def test_the_picture_of_another_camera_puts_no_robot_anywhere(
 ) -> None:
     """It shows the same robots, or other ones with these numbers."""
     watch.look()
-    for _ in range(30):
+    for number in range(30):
         watch.see(floor_tags + NEXT_DOOR.robots(ELSEWHERE), 1)
         assert all(miss(place, ROBOTS[robot])[0] < 3 for robot, place in watch.places.items()), "where they were"
+        if number == 4:
+            assert [seen.covered for seen in watch.tracker.robots(watch.now)] == [True] * len(watch.places)
     assert watch.places == {}
     assert watch.tracker.view is None
     assert trouble in watch.troubles
