@@ -34,13 +34,20 @@ def _play(task: str, variables: str, folder: Path, limit: str, *flags: str) -> s
   tasks:
     - {task}
 """)
+    return run_playbook(folder / "play.yml", f"@{folder}/vars.yml", folder, limit, *flags)
+
+
+def run_playbook(
+    playbook: Path, variables: str, folder: Path, limit: str, *flags: str
+) -> subprocess.CompletedProcess[str]:
+    """`variables` as --extra-vars has them; the inventory is hosts.yml in `folder`, which is first in PATH."""
     return subprocess.run(
         [
             ROOT / ".venv/bin/ansible-playbook",
             f"--inventory={folder}/hosts.yml",
             f"--limit={limit}",
-            f"--extra-vars=@{folder}/vars.yml",
-            folder / "play.yml",
+            f"--extra-vars={variables}",
+            playbook,
             *flags,
         ],
         env={
