@@ -51,7 +51,7 @@ class GameLoop:
 
     def add_recorder(self, recorder: Recorder) -> None:
         """To be called before `start`. It gets all that is decided, in order, with the state after it in JSON's types;
-        from the thread of the listeners, after them, who would wait for what it sets going."""
+        from the thread of the listeners, after them: what it sets going would keep them waiting."""
         self._recorders.append(recorder)
 
     def start(self) -> None:

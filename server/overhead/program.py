@@ -54,9 +54,9 @@ class OverheadProgram:
         self._tf = node.advertise("/tf", TF, latest=True)
         self._status = node.advertise(OVERHEAD_STATUS, TypeSpec.of(OverheadStatus), latch=True)
         self._sight = node.advertise(OVERHEAD_VIEW, TypeSpec.of(OverheadView), latch=True)
-        self._hidden = node.advertise(OVERHEAD_COVERED, TypeSpec.of(OverheadCovered), latch=True)
-        self._covered: list[int] = []  # that were told
-        self._hidden.publish(packed(OverheadCovered(self._covered)))
+        self._covered = node.advertise(OVERHEAD_COVERED, TypeSpec.of(OverheadCovered), latch=True)
+        self._told_covered: list[int] = []
+        self._covered.publish(packed(OverheadCovered(self._told_covered)))
         self._view: View | None = None  # that was told
         self._sight.publish(sight(None, self._tag_height))
         node.advertise(OVERHEAD_CAMERA, TypeSpec.of(String), latch=True).publish(packed(String(eye.url)))
@@ -139,10 +139,10 @@ class OverheadProgram:
         self._tell_status(robots, now)
 
     def _tell_covered(self, robots: list[int]) -> None:
-        """Before their places, of which it says that they are foretold."""
-        if robots != self._covered:
-            self._covered = robots
-            self._hidden.publish(packed(OverheadCovered(robots)))
+        """Before their places, of which it says that they are predicted."""
+        if robots != self._told_covered:
+            self._told_covered = robots
+            self._covered.publish(packed(OverheadCovered(robots)))
 
     def _tell_view(self) -> None:
         view = self._tracker.view

@@ -14,7 +14,7 @@ from server.overhead.motion import Commands
 REPEATS = 3  # pictures in a row that must show a robot where it was not expected
 NEAR = 0.06  # m from where it was expected, when it was just seen there,
 FASTER = 3 * FULL_SPEED  # m/s by which that grows: others push it, and wheels slip
-COVERED = 1.0  # s for which the place of a robot that is not seen is foretold
+COVERED = 1.0  # s for which the place of a robot that is not seen is predicted
 MISSED = 0.25  # s; until then, it has only been missed in a picture or two
 STALE = 0.6  # s; the newest picture is so old that no robot is seen
 

@@ -14,7 +14,7 @@ SPAN = 600.0  # s; few battles last longer, whatever their limit
 PIECE = 10.0  # s of a piece: a server that is killed loses no more
 
 Pose = tuple[float, float, float]  # x and y in m, heading in rad, counter-clockwise from x
-Sighting = Pose | tuple[float, float, float, bool]  # True: it was covered, and that is only foretold
+Sighting = Pose | tuple[float, float, float, bool]  # True: it was covered, and that is only predicted
 Wall = tuple[float, float, float, float]  # from x, y to x, y, in m
 
 

@@ -136,10 +136,10 @@ def test_a_covered_robot_moves_on_by_its_commands_and_is_marked(hall: Hall) -> N
     until(lambda: has_moved_on(0.0015), 10, "its commands are heard")
     hall.show({2: ROBOTS[2]})
 
-    def is_foretold() -> bool:
+    def is_predicted() -> bool:
         return has_moved_on(0.01) and hall.side.heard(OVERHEAD_COVERED)[-1] == {"robots": [1]}
 
-    until(is_foretold, 10, "a foretold place")
+    until(is_predicted, 10, "a predicted place")
     until(lambda: hall.positions.keys() == {2}, 10, "no place any more")
     until(lambda: hall.side.heard(OVERHEAD_COVERED)[-1] == {"robots": []}, 10, "nor is it covered")
     hall.show(ROBOTS)

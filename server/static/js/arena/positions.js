@@ -7,7 +7,7 @@ const MOST_ROBOTS = 128; // as many IDs as there are
 const MOST_WALLS = 1000;
 
 /** @typedef {{id: number, name: string, x: number, y: number, heading: number, covered: boolean}} Pose in m and rad; `name` is nobody
- *   else's; covered: it is not seen, and the place is foretold */
+ *   else's; covered: it is not seen, and the place is predicted */
 /** @typedef {{width: number, height: number, walls: number[][], robot_radius: number, beam_range: number,
  *   beam_half_angle: number}} Floor */
 

@@ -18,7 +18,7 @@ function newest(times, at) {
   return low;
 }
 
-/** Where the robot was: { x, y, heading, covered } in m and degrees, null if it was not seen; covered: that was foretold. */
+/** Where the robot was: { x, y, heading, covered } in m and degrees, null if it was not seen; covered: that was predicted. */
 export function poseAt(track, robot, at) {
   const { times } = track;
   const seen = track.robots[robot] ?? [];
