@@ -55,7 +55,7 @@ STOPWATCH = """() => {
   let before = '';
   const look = () => {
     const users = [...document.getElementById('userList').children];
-    const now = users.find(user => user.innerText.includes('Driver'))?.innerText;
+    const now = users.find(user => user.textContent.includes('Driver'))?.textContent;
     if (now !== before) { before = now; stopwatch.lives.push(clock(performance.now())); }
   };
   new MutationObserver(look).observe(document.getElementById('userList'),
@@ -261,7 +261,8 @@ def light_to_life(page: Page, shooter: Player, robot: TracedRobot, taps: Taps) -
         shooter.drive(angular=1, shoot=True)
         robot.shine_packet(shooter.robot)
         ended = robot.packet_seen()
-        until(lambda shown=shown: page.evaluate("stopwatch.lives.length") > shown, 5, "the page shows the hit")
+        # seldom: whoever asks a page keeps it from its work
+        page.wait_for_function("shown => stopwatch.lives.length > shown", arg=shown, polling=100, timeout=5000)
         seen = monotonic_of(page.evaluate(f"stopwatch.lives[{shown}]"))
         latencies.append(seen - ended)
         told = first_change(taps.told, "Driver", ended)
