@@ -95,6 +95,7 @@ class RaspberryPi:
             (folder / name).write_bytes(card_file(card, name))
         self._words = card_file(card, "cmdline.txt").decode().strip()
         self._network = network or Port()
+        self._screen = folder / "serial.log"
         self._usb = usb
 
     @contextmanager
@@ -107,7 +108,7 @@ class RaspberryPi:
         words = ["-append", f"{self._words} {emulated}"]
         disk = ["-drive", f"if=sd,format=raw,file={self._card}"]
         lan = ["-netdev", f"{self._network.netdev},id=lan", "-device", "usb-net,netdev=lan,mac=52:54:00:1a:5e:b0"]
-        screen = ["-display", "none", "-serial", f"file:{self._folder / 'serial.log'}", "-monitor", "none"]
+        screen = ["-display", "none", "-serial", f"file:{self._screen}", "-monitor", "none"]
         machine = ["qemu-system-aarch64", "-M", "raspi3b", "-m", "1G", "-no-reboot"]
         command = self._network.command(*machine, *boot, *words, *disk, *lan, *self._usb, *screen)
         self._pi = subprocess.Popen(command, stdin=subprocess.DEVNULL)
@@ -116,6 +117,10 @@ class RaspberryPi:
         finally:
             self._pi.kill()
             self._pi.wait()
+
+    def screen(self) -> str:
+        """What it has said since it was last switched on."""
+        return self._screen.read_text(errors="replace")
 
     def run(self, command: str) -> str:
         """What a command of the user pi prints, as soon as the Pi lets one log in. AssertionError if it fails."""
@@ -128,7 +133,7 @@ class RaspberryPi:
         try:
             result = until(attempt, START, "the Raspberry Pi lets nobody log in")
         except AssertionError as error:
-            error.add_note((self._folder / "serial.log").read_text(errors="replace")[-2000:])
+            error.add_note(self.screen()[-2000:])
             raise
         assert result.returncode == 0, result.stderr
         return result.stdout
