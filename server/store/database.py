@@ -252,8 +252,9 @@ class Database:
         self._engine.dispose()
         self._file, self._battle, self._unsure, self._is_anew = None, None, None, True
         recorded[:0] = self._held.take_battle()
+        # first, so that nobody who hears of the mishap takes it for mended
+        self.problem = f"its file was {what} while it was open"
         self._tell_mishap(what, "what this program holds is written to the file that is there now, or to a new one")
-        self.problem = self._mishap
 
     def _tell_mishap(self, what: str, done: str) -> None:
         self.replacements += 1
