@@ -32,8 +32,8 @@ case "$*" in
 "kubectl apply --filename -")
     cat >{NOTES}/given
     known={NOTES}/$(cksum <{NOTES}/given | cut -d ' ' -f 1)
-    # of these it says so each time
-    [ -e $known ] && ! grep -q -e stringData -e PodDisruptionBudget {NOTES}/given && said=unchanged || said=configured
+    # of stringData it says so each time
+    [ -e $known ] && ! grep -q stringData {NOTES}/given && said=unchanged || said=configured
     echo "thing/one $said"
     mv {NOTES}/given $known
     ;;
@@ -42,7 +42,7 @@ case "$*" in
         rm $secret && echo 'secret "operator" deleted'
     done
     ;;
-*" delete poddisruptionbudget --ignore-not-found arena master")
+*" delete poddisruptionbudget --ignore-not-found arena master robot")
     [ ! -e {NOTES}/budgets ] || {{ cat {NOTES}/budgets; rm {NOTES}/budgets; }} ;;
 *" get secret operator "*) grep -l '"kind": "Secret"' -r {NOTES} --exclude=calls | xargs -r ls -t | head -n 1 ;;
 *" patch deployment master "*)

@@ -143,7 +143,6 @@ def test_the_image_in_the_table_is_of_this_version() -> None:
     assert quoted(f'Failed to pull image "rosberry:{version()}"')
 
 
-KINDS = {"pdb": "poddisruptionbudget"}
 COMMANDS = [
     words
     for line in re.findall(r"^kubectl .*|`kubectl [^`]*", TEXT, re.MULTILINE)
@@ -157,10 +156,10 @@ def test_what_a_command_of_the_readme_names_is_there(words: list[str]) -> None:
     objects = [item for name in ("sim", "lan+front+monitoring") for item in overlay(name).objects]
     names = {(item["kind"].lower(), item["metadata"]["name"]) for item in objects}
     pairs = [tuple(word.split("/")) for word in words if re.fullmatch(r"[a-z]+/[a-z]+", word)]
-    if words[-2] in {"pdb", "service"}:
+    if words[-2] == "service":
         pairs.append((words[-2], words[-1]))
-    for kind, name in pairs:
-        assert (KINDS.get(kind, kind), name) in names
+    for pair in pairs:
+        assert pair in names
     if "-k" in words:
         assert (ROOT / words[words.index("-k") + 1] / "kustomization.yaml").exists()
     if "-n" in words:

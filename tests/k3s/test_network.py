@@ -47,8 +47,6 @@ def test_each_service_reaches_ports_of_one_kind_of_pod(here: Manifests) -> None:
 def test_selectors_match_the_workloads_own_pods_only(here: Manifests) -> None:
     for workload in here.workloads:
         assert selected(here, workload["spec"]["selector"]["matchLabels"]) == [workload]
-    for budget in here.of("PodDisruptionBudget"):
-        assert len(selected(here, budget["spec"]["selector"]["matchLabels"])) == 1
 
 
 @every_namespace

@@ -28,7 +28,6 @@ KINDS = {
     "v1": {"Namespace", "ServiceAccount", "ConfigMap", "Service", "PersistentVolumeClaim"},
     "apps/v1": WORKLOADS,
     "batch/v1": {"CronJob"},
-    "policy/v1": {"PodDisruptionBudget"},
     "networking.k8s.io/v1": {"NetworkPolicy"},
 }
 IMAGES = ("webserver", "rosberry", "sim")

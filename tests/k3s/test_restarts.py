@@ -67,8 +67,8 @@ def test_a_robots_camera_waits_with_it(customize: Customize, tmp_path: Path) -> 
     assert asked(command, known, tmp_path) == ["-m", MODULE, "http://10.43.0.1:5000", "--robot", "raspberrypi1"]
 
 
-def test_no_budget_keeps_a_node_from_being_drained_for_ever(manifests: Manifests) -> None:
+def test_no_budget_keeps_the_only_node_from_being_drained_for_ever(manifests: Manifests) -> None:
     # without these options it ends at once, as there are such pods
     assert "`kubectl drain NODE --ignore-daemonsets --delete-emptydir-data`" in kubernetes_pages()
-    for budget in manifests.of("PodDisruptionBudget"):
-        assert budget["spec"].get("maxUnavailable", 0) >= 1
+    # the second robot would wait for the first one, which has no other node to be ready at
+    assert not manifests.of("PodDisruptionBudget")
