@@ -153,7 +153,8 @@ COMMANDS = [
 @pytest.mark.parametrize("words", COMMANDS, ids=" ".join)
 def test_what_a_command_of_the_readme_names_is_there(words: list[str]) -> None:
     """No cluster is here to run it: its overlays, objects, namespaces and labels are looked for in the manifests."""
-    objects = [item for name in ("sim", "lan+front+monitoring") for item in overlay(name).objects]
+    overlays = ("sim", "lan+front+monitoring", "arenas+leaderboard")
+    objects = [item for name in overlays for item in overlay(name).objects]
     names = {(item["kind"].lower(), item["metadata"]["name"]) for item in objects}
     pairs = [tuple(word.split("/")) for word in words if re.fullmatch(r"[a-z]+/[a-z]+", word)]
     if words[-2] == "service":

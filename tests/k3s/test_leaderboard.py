@@ -57,8 +57,13 @@ def test_the_database_outlives_its_pod_and_has_no_rights(arenas: Manifests) -> N
     server = arenas.one("StatefulSet", "leaderboard")
     pod = server["spec"]["template"]["spec"]
     (postgres,) = pod["containers"]
-    (claim,) = server["spec"]["volumeClaimTemplates"]
-    (data,) = [mount["mountPath"] for mount in postgres["volumeMounts"] if mount["name"] == claim["metadata"]["name"]]
+    (claim,) = arenas.within(server["metadata"]["namespace"]).of("PersistentVolumeClaim")
+    (volume,) = [
+        each["name"]
+        for each in pod["volumes"]
+        if each.get("persistentVolumeClaim") == {"claimName": claim["metadata"]["name"]}
+    ]
+    (data,) = [mount["mountPath"] for mount in postgres["volumeMounts"] if mount["name"] == volume]
     folder = {item["name"]: item.get("value") for item in postgres["env"]}["PGDATA"]
     assert folder.startswith(f"{data}/")
     assert is_restricted(pod)

@@ -143,8 +143,8 @@ class Kubelet:
         return self._links | found
 
     def _value(self, variable: Object, found: dict[str, str]) -> str | None:
-        if "value" in variable:
-            return expand(variable["value"], {**self._links, **found})
+        if "valueFrom" not in variable:
+            return expand(variable.get("value", ""), {**self._links, **found})
         source = variable["valueFrom"]
         if "fieldRef" in source:
             return self._fields[source["fieldRef"]["fieldPath"]]

@@ -65,6 +65,7 @@ def _accepting(rule: Object, peers: str, address: str, pod: Pod, pods: Iterable[
         sources = [f"{address} {found}" for peer in rule[peers] for found in _addresses(peer, pod.namespace, pods)]
     ports = [""]
     if "ports" in rule:  # a name that the pod has not is no port of it
+        assert {each["protocol"] for each in rule["ports"]} == {"TCP"}
         numbers = [pod.ports.get(each["port"], each["port"]) for each in rule["ports"]]
         ports = [f"tcp dport {number}" for number in numbers if isinstance(number, int)]
     for source in sources:

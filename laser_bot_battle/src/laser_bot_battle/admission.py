@@ -89,6 +89,7 @@ def policy() -> list[dict[str, Any]]:
         "apiVersions": ["v1"],
         "operations": ["CREATE", "UPDATE"],
         "resources": ["deployments", "statefulsets", "daemonsets"],
+        "scope": "*",  # the default; without it, each `kubectl apply` would send the whole list again
     }
     return [
         {
