@@ -26,6 +26,7 @@ from typing import Any
 
 DIGEST = re.compile(r"sha256:[0-9a-f]{64}")
 FIELD = "io.containerd.image.name"
+REGISTRY = re.compile(r"(?:[A-Za-z0-9.-]+|\[[0-9a-f:]+\])(?::[0-9]+)?(?:/[a-z0-9._-]+)*")
 IMAGE_LINE = re.compile(r"""^[ -]*image: ["']?([^\s"']+)""", re.MULTILINE)
 
 Entry = dict[str, str]  # of kustomize's `images`
@@ -99,7 +100,9 @@ def _parts(tar: tarfile.TarFile, digest: str) -> Iterator[str]:
 
 
 def named(images: Mapping[str, Image], registry: str = "") -> list[Entry]:
-    """Each image by its digest: in a registry as usual, else by its second tag."""
+    """Each image by its digest: in a registry as usual, else by its second tag. InputError: that is no registry."""
+    if registry and not REGISTRY.fullmatch(registry):
+        raise InputError(f"{registry} is no registry: it must be like 192.168.1.20:5000 or registry.example/games")
     return [_entry(image, name, f"{registry}/{name}" if registry else "") for name, image in sorted(images.items())]
 
 

@@ -163,6 +163,9 @@ def test_only_what_should_run_is_compared(tmp_path: Path) -> None:
     assert "has not started" in lines[0]
 
 
+NO_REGISTRIES = (f"http://{REGISTRY}", f"{REGISTRY}/", "my_registry:5000")  # containerd takes no _ in a host
+
+
 def test_bad_input_gets_one_line(tmp_path: Path) -> None:
     plain = Archive(tmp_path / "plain.tar", by_digest=False).path
     good = Archive(tmp_path / "good.tar").path
@@ -174,6 +177,7 @@ def test_bad_input_gets_one_line(tmp_path: Path) -> None:
         (("name", tmp_path / "none.tar"), "", "No such file"),
         (("name", tmp_path / "text.tar"), "", "is no archive of images"),
         (("name", plain), "", "does not name monitoring rosberry sim webserver by digest"),
+        *((("name", good, wrong), "", f"{wrong} is no registry: it must be like ") for wrong in NO_REGISTRIES),
         (
             ("name", good, "-"),
             "image: postgres:17",
