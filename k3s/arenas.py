@@ -59,6 +59,8 @@ _WATCHING = ("metrics", "monitoring", "prometheus-operator")  # of which the oth
 _LABEL = r"[a-z0-9](?:[a-z0-9-]*[a-z0-9])?"
 _NAME = re.compile(rf"(?=.{{1,40}}$){_LABEL}")
 _NAMESPACE = re.compile(rf"(?=.{{1,63}}$){_LABEL}")
+# a cluster's own namespaces, whose pods would lose rights, and those of the parts that serve all arenas
+_OTHERS = re.compile(r"default|kube-.*|laserbot-(?:entrance|leaderboard)")
 _HOST = re.compile(rf"(?=.{{1,253}}$){_LABEL}(?:\.{_LABEL})+")
 _HEAD = "---\n# Made by k3s/arenas.py from {source}: change that, and run it again.\n"
 
@@ -109,7 +111,7 @@ def main(words: Sequence[str] | None = None) -> int:
 
 def read(folder: Path) -> list[Arena]:
     """The arenas by their names. WrongError."""
-    files = sorted(file for file in folder.glob("*.yaml") if file.name != "kustomization.yaml")
+    files = sorted(file for file in folder.glob("*.y*ml") if file.stem != "kustomization")
     if not files:
         raise WrongError(f"{folder} has no file of an arena, such as red.yaml")
     arenas = [_arena(file) for file in files]
@@ -161,6 +163,8 @@ def _arena(file: Path) -> Arena:
     def wrong(what: str) -> WrongError:
         return WrongError(f"{file}: {what}")
 
+    if file.suffix != ".yaml":
+        raise wrong(f"its name must be {file.stem}.yaml")
     if not _NAME.fullmatch(file.stem):
         raise wrong("an arena's name, which its file has, is of small letters, digits and -, at most 40")
     try:
@@ -172,9 +176,7 @@ def _arena(file: Path) -> Arena:
     for field in told:
         if field not in _FIELDS:
             raise wrong(f"there is no {field}{_nearest(field, _FIELDS)}")
-    namespace, port, host = told.get("namespace"), told.get("port"), told.get("host")
-    if not isinstance(namespace, str) or not _NAMESPACE.fullmatch(namespace):
-        raise wrong("namespace must be of small letters, digits and -, at most 63")
+    port, host = told.get("port"), told.get("host")
     if (port is None) == (host is None):
         raise wrong("it must have either a port or a host")
     if port is not None and (type(port) is not int or port not in PORTS or port + len(USES) - 1 not in PORTS):
@@ -184,11 +186,20 @@ def _arena(file: Path) -> Arena:
     if host is not None and (not isinstance(host, str) or not _HOST.fullmatch(host)):
         raise wrong("host must be a name such as red.arena.example")
     try:
+        namespace = _namespace(told.get("namespace"))
         settings = (*_settings(told.get("rules")), *_bots(told))
         components = _components(told.get("components"))
         return Arena(file.stem, namespace, port, host or "", settings, _replicas(told), components)
     except ValueError as error:
         raise wrong(str(error)) from None
+
+
+def _namespace(name: Any) -> str:
+    if not isinstance(name, str) or not _NAMESPACE.fullmatch(name):
+        raise ValueError("namespace must be of small letters, digits and -, at most 63")
+    if _OTHERS.fullmatch(name):
+        raise ValueError(f"namespace {name} is not an arena's: it has other things in it")
+    return name
 
 
 def _settings(rules: Any) -> tuple[str, ...]:

@@ -236,6 +236,8 @@ GOOD = "namespace: laserbot-red\nport: 31000\n"
         ({"red": GOOD + "rule: {}"}, "red.yaml: there is no rule; the nearest is rules"),
         ({"red": "port: 31000"}, "red.yaml: namespace must be"),
         ({"red": "namespace: A_b\nport: 31000"}, "red.yaml: namespace must be"),
+        ({"red": "namespace: kube-system\nport: 31000"}, "red.yaml: namespace kube-system is not an arena's"),
+        ({"red": "namespace: laserbot-entrance\nport: 31000"}, "namespace laserbot-entrance is not an arena's"),
         ({"red": "namespace: a"}, "red.yaml: it must have either a port or a host"),
         ({"red": GOOD + "host: a.b"}, "red.yaml: it must have either a port or a host"),
         ({"red": "namespace: a\nport: 5000"}, "red.yaml: port must be from 30000 to 32764"),
@@ -270,6 +272,13 @@ def test_a_wrong_file_is_told_in_one_line_and_changes_nothing(tmp_path: Path, fi
     assert result.returncode == 1
     assert said in result.stderr
     assert len(result.stderr.splitlines()) == 1
+    assert not (tmp_path / "made").exists()
+
+
+def test_a_file_with_another_ending_is_not_left_out_in_silence(tmp_path: Path) -> None:
+    (tmp_path / "red.yaml").write_text(GOOD)
+    (tmp_path / "blue.yml").write_text(BLUE)
+    assert "blue.yml: its name must be blue.yaml" in make(tmp_path).stderr
     assert not (tmp_path / "made").exists()
 
 
