@@ -12,13 +12,14 @@ import kubernetes_validate
 import pytest
 from sqlalchemy import make_url
 
+from laser_bot_battle.proxies import is_proxy
 from server.access.sharing import Sharing, sharing
 from tests.k3s.conftest import Customize
 from tests.k3s.test_overlays import VERSIONS
 from tests.k3s.test_rights import is_restricted
 from tests.support.documents import blocks, kubernetes_pages
 from tests.support.imagefile import dockerfile
-from tests.support.manifests import SECRET, Kubelet, Manifests, Object
+from tests.support.manifests import SECRET, Kubelet, Manifests, Object, overlay
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT
 
@@ -172,6 +173,19 @@ def test_by_host_names_no_node_has_ports_and_each_route_is_of_one_host(tmp_path:
         assert routes
         for rule in (rule for route in routes for rule in route["spec"]["routes"]):
             assert rule["match"].startswith(f"Host(`{host}`)")
+
+
+def test_visitors_of_the_entrance_keep_their_addresses(tmp_path: Path) -> None:
+    """At its port, which only its own node answers, and behind Traefik, whose word it takes."""
+    by_port = overlay("arenas+entrance").within("laserbot-entrance")
+    service = by_port.one("Service", "entrance")["spec"]
+    assert (service["type"], service["externalTrafficPolicy"]) == ("NodePort", "Local")
+    affinity = by_port.one("Deployment", "entrance")["spec"]["template"]["spec"]["affinity"]["nodeAffinity"]
+    (label,) = affinity["preferredDuringSchedulingIgnoredDuringExecution"]
+    (wanted,) = label["preference"]["matchExpressions"]
+    assert f"kubectl label node NAME {wanted['key']}={wanted['values'][0]}" in README
+    by_host = made(tmp_path, red="namespace: laserbot-red\nhost: red.arena.example\n")
+    assert is_proxy("10.42.3.4", settings_of(by_host, "laserbot-entrance", "entrance", "entrance").proxies)
 
 
 def test_the_entrance_has_no_more_rights_than_it_needs_and_fits_its_image(tmp_path: Path) -> None:
