@@ -31,7 +31,7 @@ def test_the_examples_fit_the_definitions_of_their_makers(group: str) -> None:
     assert examples
     assert problems(*examples) == []
     (block,) = [text for text in re.findall(r"```yaml\n(.*?)```", SECTION, re.DOTALL) if group in text]
-    assert len(block.splitlines()) <= 15
+    assert len(block.splitlines()) <= 10
 
 
 def test_they_apply_a_folder_with_the_kustomization() -> None:
