@@ -66,8 +66,11 @@ def mistakes_in_floor(environ: Mapping[str, str]) -> Iterator[str]:
 def groups_of(text: str) -> tuple[list[Group], list[str]]:
     """The settings in a file, and what is wrong with the file itself. ValueError if it cannot be understood."""
     if _MANIFEST.search(text):
-        # not every image has what reads YAML
-        groups: list[Group] = import_module("laser_bot_battle.manifest_settings").groups(text)
+        try:
+            reader = import_module("laser_bot_battle.manifest_settings")
+        except ModuleNotFoundError:  # not every image or machine has what reads YAML
+            raise ValueError("PyYAML is missing: apt-get install python3-yaml") from None
+        groups: list[Group] = reader.groups(text)
         return groups, []
     group, wrong = of_file(text)
     return [group], wrong

@@ -195,6 +195,15 @@ def test_what_is_no_manifest_is_refused(text: str, words: str) -> None:
         groups_of(text)
 
 
+def test_without_what_reads_yaml_manifests_cannot_be_read(tmp_path: Path) -> None:
+    (tmp_path / "yaml.py").write_text("raise ModuleNotFoundError('No module named yaml')")
+    path = f"{tmp_path}:{ROOT / 'build/python'}"
+    told = run("-", given=MANIFESTS, PYTHONPATH=path)
+    assert told.returncode == 2
+    assert told.stderr == "laser_bot_battle.check: - cannot be read: PyYAML is missing: apt-get install python3-yaml\n"
+    assert run(LASERBOT_TEAMS="2", PYTHONPATH=path).returncode == 0
+
+
 FLOOR = '{"width": 2, "height": 2, "starts": [[0.3, 0.3], [0.35, 0.3], [9, 1]]}'
 NO_FLOOR = [
     "starts[2]: x: must be a number from 0 to 2",
