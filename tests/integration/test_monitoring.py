@@ -181,3 +181,12 @@ def test_prometheus_and_alertmanager_take_their_configuration() -> None:
     ):
         result = subprocess.run(command.split(), capture_output=True, text=True, check=False)
         assert result.returncode == 0, result.stdout + result.stderr
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("alert", "receiver"), [("Watchdog", "watchdog"), ("RobotLost", "operators")])
+def test_what_is_always_there_goes_elsewhere_than_what_is_wrong(alert: str, receiver: str) -> None:
+    amtool = unpacked("prometheus-alertmanager") / "usr/bin/amtool"
+    words = f"config routes test --config.file={ROOT / 'monitoring/alertmanager.yml'} alertname={alert}"
+    result = subprocess.run([amtool, *words.split()], capture_output=True, text=True, check=True)
+    assert result.stdout.split() == [receiver]
