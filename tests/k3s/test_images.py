@@ -57,6 +57,9 @@ def test_every_image_of_ours_is_named_by_what_is_in_it(customize: Customize, tmp
         held = archive.digests[image]
         assert tag["image"] == f"{image}:{version()}-{held.replace(':', '-')}"
         assert digest["image"] == f"{REGISTRY}/{image}@{held}"
+    held = archive.digests["webserver"]
+    for job in by_digest.of("CronJob"):  # the backups': none starts an older program than the master's
+        assert f"'image': '{REGISTRY}/webserver@{held}'" in str(job)
 
 
 def test_it_is_a_component_that_kustomize_takes(customize: Customize, tmp_path: Path) -> None:
