@@ -181,7 +181,9 @@ def test_the_page_on_postgresql_names_what_is_there(customize: Customize) -> Non
     for kind, name in re.findall(r"(?:--from=|\s)(cronjob|statefulset|deployment)/([a-z]+)", POSTGRESQL):
         assert (kind, name) in names
     (postgres,) = manifests.one("StatefulSet", "leaderboard")["spec"]["template"]["spec"]["containers"]
-    assert f"set image statefulset/leaderboard {postgres['name']}=" in POSTGRESQL
+    changes = re.findall(r"laserbot-leaderboard (scale|set env|set image) statefulset/leaderboard (\S+)", POSTGRESQL)
+    assert [words for words, _ in changes] == ["scale", "set env", "set image", "scale"], "17 must not begin the folder"
+    assert changes[2][1].startswith(f"{postgres['name']}=")
     example = yaml.safe_load(re.findall(r"```yaml\n(.*?)```", POSTGRESQL, re.DOTALL)[1])
     changed = customize("arenas", "leaderboard", "leaderboard-backups", **example)
     (after,) = changed.one("StatefulSet", "leaderboard")["spec"]["template"]["spec"]["containers"]
