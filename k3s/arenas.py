@@ -152,6 +152,7 @@ def write(arenas: Sequence[Arena], folder: Path) -> None:
             "    literals:",
             f"      - {_text(f'list={listed}')}",
             f"      - {_text(f'domain={domain}')}",
+            *([f"      - {_text(f'host={domain}')} # for components/entrance-host"] if "." in domain else []),
             '    options: {annotations: {config.kubernetes.io/local-config: "true"}} # only kustomize reads it',
         ],
     )

@@ -125,6 +125,7 @@ def test_only_what_takes_any_text_or_is_too_much_for_a_pattern_is_left_to_the_pr
 # each overlay, and each component at least once
 HOST_NAME = {"name": "host-name", "literals": ["host=arena.example", "class=traefik", "issuer=letsencrypt"]}
 REGISTRY = {"name": "registry", "literals": ["address=registry.example"]}
+ENTRANCE_HOST = {"name": "arenas", "behavior": "merge", "literals": ["host=arena.example"]}  # as of arenas with hosts
 COMBINATIONS = [
     ("lan", ["camera", "device-plugin", "front", "monitoring"]),
     ("lan", ["proxy", "registry"]),
@@ -146,6 +147,7 @@ def test_the_policy_sees_all_that_our_programs_read_and_takes_it(
     customize: Customize, base: str, components: list[str]
 ) -> None:
     given = [each for each in (HOST_NAME, REGISTRY) if {each["name"], "certificate"} & {*components}]
+    given += [ENTRANCE_HOST] if base == "arenas" else []
     manifests = customize(base, *components, configMapGenerator=given)
     labels = BINDING["spec"]["paramRef"]["selector"]["matchLabels"].items()
     for workload in manifests.workloads:

@@ -40,7 +40,7 @@ def made(folder: Path, **files: str) -> Manifests:
         (folder / f"{name}.yaml").write_text(text)
     result = make(folder)
     assert result.returncode == 0, result.stderr
-    components = ["entrance", *(["entrance-host"] if "host:" in "".join(files.values()) else [])]
+    components = ["entrance", *(["entrance-host"] if "port:" not in "".join(files.values()) else [])]
     up = os.path.relpath(ROOT / "k3s/components", folder)
     (folder / "kustomization.yaml").write_text(
         "resources: [made]\n" + f"components: [{', '.join(f'{up}/{name}' for name in components)}]\n"
@@ -186,6 +186,22 @@ def test_visitors_of_the_entrance_keep_their_addresses(tmp_path: Path) -> None:
     assert f"kubectl label node NAME {wanted['key']}={wanted['values'][0]}" in README
     by_host = made(tmp_path, red="namespace: laserbot-red\nhost: red.arena.example\n")
     assert is_proxy("10.42.3.4", settings_of(by_host, "laserbot-entrance", "entrance", "entrance").proxies)
+
+
+@pytest.mark.parametrize("ways", [("port: 31000", "port: 31010"), ("host: red.arena.example", "port: 31010")])
+def test_an_entrance_at_a_host_name_needs_a_domain_that_the_arenas_share(tmp_path: Path, ways: list[str]) -> None:
+    for name, way in zip(("red", "blue"), ways, strict=True):
+        (tmp_path / f"{name}.yaml").write_text(f"namespace: laserbot-{name}\n{way}\n")
+    assert make(tmp_path).returncode == 0
+    up = os.path.relpath(ROOT / "k3s/components", tmp_path)
+    (tmp_path / "kustomization.yaml").write_text(
+        f"resources: [made]\ncomponents: [{up}/entrance, {up}/entrance-host]\n"
+    )
+    command = [str(ROOT / "ci/kubectl"), "kustomize", str(tmp_path)]
+    told = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert told.returncode == 1
+    (line,) = told.stderr.splitlines()
+    assert "`data.host` is missing" in line
 
 
 def test_the_entrance_has_no_more_rights_than_it_needs_and_fits_its_image(tmp_path: Path) -> None:
