@@ -62,6 +62,8 @@ def test_everybody_can_use_it(hall: Hall, page: Page, screenshots: Path, look: L
     expect(page.locator(".hall")).to_have_count(2)
     expect(page.locator("#summary")).to_have_text("1 robot is free")
     expect(page.locator(".hall").last).to_contain_text("This arena does not answer.")
+    expect(page.get_by_role("link", name="Watch: red")).to_have_attribute("href", f"{hall.arena}/watch")
+    expect(page.get_by_role("link", name="Watch: blue")).to_be_hidden()
     for how in look.at(page):
         page.screenshot(path=screenshots / f"entrance-{how}.png", full_page=True)
         look.found[f"entrance {how}"] = violations(page)

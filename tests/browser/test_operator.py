@@ -212,6 +212,22 @@ def test_a_rule_of_place_says_so_while_nobody_knows_where_the_robots_are(desk: P
     expect(hint).to_be_hidden()
 
 
+def test_the_desk_says_why_battles_wait_and_that_visitors_share_an_address(desk: Page) -> None:
+    def troubled(route: Route) -> None:
+        response = route.fetch()
+        state = response.json()
+        state["visitors"]["one_address"] = "10.42.0.1"
+        state["game"]["notice"] = "The next battle waits: the server is about to restart."
+        route.fulfill(response=response, json=state)
+
+    expect(desk.locator("#one-address")).to_be_hidden()
+    desk.route("**/operator/api/state", troubled)
+    expect(desk.locator("#one-address")).to_contain_text("come from one address, 10.42.0.1,")
+    expect(desk.locator("#battle-hint")).to_have_text("The next battle waits: the server is about to restart.")
+    desk.unroute("**/operator/api/state")
+    expect(desk.locator("#one-address")).to_be_hidden()
+
+
 def test_a_message_is_on_the_players_screens_as_it_was_typed(desk: Page, person: Callable[[str], Person]) -> None:
     ann, guest = person("Ann"), person("Guest")
     ann.log_in()
