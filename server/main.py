@@ -119,7 +119,7 @@ def _game(program: Program, settings: Settings, listener: Listener) -> Iterator[
     program.start_thread("pages", pages.run)
     serving = program.start_thread("web server", web.run)
     _log.info("serving the game at http://%s:%d", settings.program.bind, settings.program.port)
-    owner = Owner(lambda: metrics(game, health, hits.told(), database), lambda: _missing(game))
+    owner = Owner(lambda: metrics(game, health, hits.told(), hits.refused, database), lambda: _missing(game))
     try:
         with watched("web", settings.program.metrics, owner):
             yield

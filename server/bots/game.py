@@ -10,6 +10,7 @@ from laser_bot_battle.names import Game, is_bot
 MAX_SIDE = 100.0  # m, of a floor
 OFF = 1.0  # m; a robot that is farther off the floor is none: to plan a way to it would take for ever
 MOST_TURNED = 1e4  # rad
+REFUSED = 2  # kind of a GameEvent: a hit that does not count
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,9 @@ class Status:
             Player(str(user["name"]), int(user["robot"]), int(user["life"]), bool(user["ready"]))
             for user in message["users"]
         )
-        hits = tuple((int(event["number"]), str(event["name"])) for event in message["events"])
+        hits = tuple(
+            (int(event["number"]), str(event["name"])) for event in message["events"] if event["kind"] != REFUSED
+        )
         protection = float(message.get("protection", 0))  # an older master knows none
         return cls(int(message["game"]), players, bool(message["paused"]), protection, hits)
 

@@ -235,10 +235,13 @@ def _hit(event: events.Hit, state: State, at: float) -> None:
             shooter.kills += 1
             streak, revenge = shooter.kills, rivalry.is_revenge(state.grudges, event.name, event.by)
             state.grudges = rivalry.taken_out(state.grudges, event.name, event.by)
-    state.happenings += 1
-    happening = Happening(state.happenings, event.name, event.by, event.life, streak, revenge)
-    state.happened = (*state.happened, happening)[-TOLD:]
+    _tell(state, Happening(state.happenings + 1, event.name, event.by, event.life, streak, revenge))
     _put_in_order(state)
+
+
+@_change.register
+def _hit_refused(event: place_events.HitRefused, state: State, _at: float) -> None:
+    _tell(state, Happening(state.happenings + 1, event.name, event.by, event.life, refused=True))
 
 
 @_change.register
@@ -378,6 +381,11 @@ def _message_shown(event: events.MessageShown, state: State, _at: float) -> None
 
 
 # ---- what several of them do ----
+
+
+def _tell(state: State, happening: Happening) -> None:
+    state.happenings = happening.number
+    state.happened = (*state.happened, happening)[-TOLD:]
 
 
 def _give(state: State, robot_id: int, name: str | None) -> None:

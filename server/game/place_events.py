@@ -22,6 +22,19 @@ class Fenced:
 
 
 @dataclass(frozen=True, slots=True)
+class HitRefused:
+    """A coded shot was received where the shooter's light cannot have gone, so it costs no life."""
+
+    name: Name  # who received it
+    robot: int
+    life: int  # that is left
+    by: Name  # the player who has shot
+
+    def __str__(self) -> str:
+        return f"a hit of {self.by} on {self.name} (robot {self.robot}) does not count: out of the line of fire"
+
+
+@dataclass(frozen=True, slots=True)
 class HillHeld:
     """A fighter has held a hill, alone or with the own team, for another second."""
 
@@ -76,4 +89,4 @@ class EffectEnded:
         return f"{self.kind} has ended for {self.name} (robot {self.robot})"
 
 
-PlaceEvent = Fenced | HillHeld | PickUpLaid | PickedUp | EffectEnded
+PlaceEvent = Fenced | HitRefused | HillHeld | PickUpLaid | PickedUp | EffectEnded

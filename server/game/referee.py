@@ -16,7 +16,17 @@ from typing import Any
 from laser_bot_battle.floor import Zone
 from laser_bot_battle.light_protocol import DAMAGES
 from laser_bot_battle.names import Game, client_name, is_bot
-from server.game import changes, desk, events, seats, tournament_course, tournament_desk, tournament_events, views
+from server.game import (
+    changes,
+    desk,
+    events,
+    place_events,
+    seats,
+    tournament_course,
+    tournament_desk,
+    tournament_events,
+    views,
+)
 from server.game.bots import bots
 from server.game.events import Event, Recorded
 from server.game.handicap import damage_with
@@ -180,10 +190,13 @@ class Referee:
         if fighter is not None:
             self._shooting.fire(shooter, fighter, now)
         by = self._shooting.coded_hit(robot_id, victim, shooter, self._rules.friendly_fire, now)
+        if by is None:
+            return False
         if not self._places.may_have_met(shooter, robot_id, self._rules, now):
+            self._decide(place_events.HitRefused(victim.name, robot_id, victim.life, by), now)
             return False
         damage = DAMAGES[code % len(DAMAGES)] if self._rules.light_damage else self._rules.hit_damage
-        return by is not None and self._wound(victim, damage, by, now)
+        return self._wound(victim, damage, by, now)
 
     def see(self, moment: Moment, size: tuple[float, float]) -> None:
         """Where the robots are, on a floor of that width and height (m)."""

@@ -78,7 +78,7 @@ class Placing:
 
 @dataclass(frozen=True, slots=True)
 class Happening:
-    """A hit that has cost life."""
+    """A hit that has cost life, or one that the rules of place have refused."""
 
     number: int  # grows by one, through all battles
     name: Name  # who was hit
@@ -87,6 +87,12 @@ class Happening:
     # of a hit that has taken the last life
     streak: int = 0  # how many the shooter has taken out in this battle, this one included
     revenge: bool = False  # the shooter had been taken out by this one last
+    refused: bool = False  # it has cost none
+
+    @property
+    def kind(self) -> int:
+        """As in GameEvent.msg."""
+        return 2 if self.refused else int(self.life == 0)
 
 
 @dataclass(frozen=True, slots=True)

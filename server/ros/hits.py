@@ -5,8 +5,9 @@ import logging
 import threading
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
+from typing import Any
 
 import rospy
 from std_msgs.msg import Empty
@@ -15,7 +16,9 @@ from laser_bot_battle.master import Master
 from laser_bot_battle.msg import Hit, Shot
 from laser_bot_battle.names import SHOTS, hit_topic, response_topic
 from laser_bot_battle.rospy_cures import Subscription
+from server.game.events import Recorded
 from server.game.loop import GameLoop
+from server.game.place_events import HitRefused
 from server.ros.robot_topics import RobotSubscriptions
 
 _log = logging.getLogger(__name__)
@@ -30,6 +33,8 @@ class Hits(RobotSubscriptions):
         self._told: Counter[tuple[str, ...]] = Counter(
             {(light, counts): 0 for light in ("plain", "coded") for counts in ("yes", "no")}
         )
+        self.refused = 0  # of them by the line of fire
+        game.add_recorder(self._record)
         listen = partial(rospy.Subscriber, SHOTS, Shot, self._shot, tcp_nodelay=True)
         self._shots = Subscription(listen, time.monotonic())
         super().__init__(master, self._shots)
@@ -38,6 +43,9 @@ class Hits(RobotSubscriptions):
         """How many were reported: by light, `plain` or `coded`, and whether they count, `yes` or `no`."""
         with self._lock:
             return dict(self._told)
+
+    def _record(self, journal: Sequence[Recorded], _saved: Mapping[str, Any]) -> None:
+        self.refused += sum(isinstance(one.event, HitRefused) for one in journal)
 
     @property
     def _shots_told(self) -> bool:

@@ -85,7 +85,7 @@ def to_message(snapshot: Snapshot, weak: Set[int] = frozenset()) -> GameStatus:
         events=[
             GameEvent(
                 number=one.number,
-                kind=GameEvent.HIT if one.life else GameEvent.OUT,
+                kind=one.kind,
                 name=one.name,
                 by=one.by,
                 life=one.life,

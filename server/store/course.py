@@ -11,6 +11,7 @@ KINDS = (
     "BattleStarted",
     "Joined",
     "Hit",
+    "HitRefused",
     "PickedUp",
     "Left",
     "Unseated",
@@ -25,9 +26,9 @@ class Change(NamedTuple):
     """Of a fighter."""
 
     at: float
-    what: str  # "hit", or what was picked up
+    what: str  # "hit", "refused" for one that has cost no life, or what was picked up
     life: int  # since then
-    by: str = ""  # of a hit: who has shot, if the light tells
+    by: str = ""  # of both: who has shot, if the light tells
 
 
 @dataclass(slots=True)
@@ -100,8 +101,10 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
                 ]
             case "Joined":
                 found.append(Course(data["name"], data["robot"], data["avatar"], now, data["life"]))
-            case "Hit" | "PickedUp":
-                (_hit if kind == "Hit" else _pick_up)(found, data, now)
+            case "Hit":
+                _hit(found, data, now)
+            case "HitRefused" | "PickedUp":
+                _note(found, data, now)
             case "Left" | "Unseated" | "RobotGone":
                 for course in found:
                     if course.robot == data["robot"] if kind == "RobotGone" else course.name == data["name"]:
@@ -128,7 +131,7 @@ def _hit(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
             course.give(is_kill=data["life"] == 0)
 
 
-def _pick_up(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
+def _note(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
     for course in found:
         if course.name == data["name"]:
-            course.changes.append(Change(now, data["kind"], data["life"]))
+            course.changes.append(Change(now, data.get("kind", "refused"), data["life"], data.get("by", "")))

@@ -46,9 +46,9 @@ COUNTED_BY_THE_BOARD = tuple(
 
 
 def metrics(
-    game: GameLoop, health: RobotsHealth, hits: Mapping[tuple[str, ...], int], database: Database
+    game: GameLoop, health: RobotsHealth, hits: Mapping[tuple[str, ...], int], refused: int, database: Database
 ) -> Iterable[Metric]:
-    """`hits` by light and whether they count."""
+    """`hits` by light and whether they count; `refused` of them by the line of fire."""
     now, overview = game.snapshot(), game.overview()
     yield gauge("laserbot_game_state", "0 stopped, 1 countdown, 2 a battle runs.", now.game.value)
     yield counter("laserbot_battles_total", "Battles begun since there is this database.", now.battle)
@@ -62,6 +62,11 @@ def metrics(
         "Hits that robots have reported, by kind of light and whether they count by the rules.",
         ["light", "counts"],
         hits,
+    )
+    yield counter(
+        "laserbot_hits_refused_total",
+        "Coded hits that do not count since they came from out of the line of fire.",
+        refused,
     )
     yield gauge("laserbot_database_up", "1: the database takes what is decided.", not database.problem)
     yield counter(

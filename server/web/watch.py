@@ -82,7 +82,7 @@ def public_status(snapshot: Snapshot, weak: Set[int] = frozenset()) -> dict[str,
         "events": [
             {
                 "number": one.number,
-                "kind": int(one.life == 0),
+                "kind": one.kind,
                 "name": one.name,
                 "by": one.by,
                 "life": one.life,

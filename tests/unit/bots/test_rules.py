@@ -3,7 +3,7 @@
 import pytest
 
 from laser_bot_battle.geometry import Pose
-from laser_bot_battle.msg import GameStatus
+from laser_bot_battle.msg import GameEvent, GameStatus
 from laser_bot_battle.place import Place
 from laser_bot_battle.settings import SettingsError
 from server.bots.game import Floor, Player, Positions, Status, fights, wants_ready
@@ -34,7 +34,8 @@ def test_it_is_not_ready_without_a_ready_human(players: dict[str, bool]) -> None
 def test_a_status_is_read_from_rosbridge() -> None:
     user = {"name": "Ann", "robot": 3, "life": 90, "ready": True, "avatar": 0, "place": 0, "left": False, "session": ""}
     event = {"number": 7, "kind": 0, "name": "Ann", "by": "", "life": 90}
-    message = {"game": GameStatus.PLAYING, "paused": True, "users": [user], "result": [], "events": [event]}
+    refused = {**event, "number": 8, "kind": GameEvent.REFUSED}
+    message = {"game": GameStatus.PLAYING, "paused": True, "users": [user], "result": [], "events": [event, refused]}
     ann = Player("Ann", 3, 90, True)
     assert Status.from_message(message) == Status(GameStatus.PLAYING, (ann,), paused=True, hits=((7, "Ann"),))
     assert Status.from_message({**message, "protection": 2.5}).protection == 2.5

@@ -3,6 +3,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { changes } from "../../../server/static/js/battle/feed.js";
 import { feedEntry } from "../../../server/static/js/battle/feed_words.js";
+import { newHits } from "../../../server/static/js/battle/hits.js";
 import { fromReply } from "../../../server/static/js/battle/messages.js";
 import { COUNTDOWN, PLAYING, STOPPED } from "../../../server/static/js/battle/state.js";
 import { setWords } from "../../../server/static/js/common/words.js";
@@ -101,7 +102,7 @@ test("each change has words in each language", () => {
     const hurt = { name: "Al", avatar: 2, life: 40, by: null, winners: [], teams: [] };
     assert.match(feedEntry({ kind: "hit", ...hurt }).text, /Al.*40\s?%/u);
     assert.equal(feedEntry({ kind: "hit", ...hurt }).tone, "hit");
-    for (const kind of ["hit", "out"]) {
+    for (const kind of ["hit", "out", "refused"]) {
       const { text, avatar, victim } = feedEntry({ kind, ...hurt, by: { name: "Bo", avatar: 4, streak: 1, revenge: false } });
       assert.match(text, /Bo.*Al/);
       assert.doesNotMatch(text, /[{}]/);
@@ -133,6 +134,13 @@ test("where the referee tells who has shot, the feed does, with both pictures", 
   const [first] = changes(before, after);
   assert.deepEqual([first.avatar, first.robot, first.by], [1, 1, { name: "Al", avatar: 3, streak: 0, revenge: false }]);
   assert.deepEqual(changes(after, after), []);
+});
+
+test("a hit that is refused is told as such, and is none to anybody else", () => {
+  const before = battle([100, 90], { events: [hit(7, "Al", "Bo", 90)] });
+  const after = battle([100, 90], { events: [hit(7, "Al", "Bo", 90), { ...hit(8, "Al", "Bo", 90), kind: 2 }] });
+  assert.deepEqual(toldBy(before, after), ["Al refused Bo 90"]);
+  assert.deepEqual(newHits(before, after), []);
 });
 
 test("a hit of which the light does not tell the shooter is told as before", () => {

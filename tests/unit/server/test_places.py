@@ -6,6 +6,7 @@ from functools import partial
 import pytest
 
 from laser_bot_battle.floor import Zone
+from laser_bot_battle.msg import GameEvent
 from server.game import desk
 from server.game.events import kind_of, to_json
 from server.game.places import SEEN
@@ -15,6 +16,7 @@ from server.game.sight import REMEMBERED, Moment, Sides, beyond, could_meet
 from server.ros.status import to_message
 from server.store.course import courses
 from server.store.marks import marks
+from server.web.watch import public_status
 from tests.unit.server.conftest import Match
 
 EAST, NORTH, WEST = 0.0, math.pi / 2, math.pi
@@ -92,6 +94,22 @@ def test_a_hit_counts_only_if_the_shooter_can_have_fired_it_from_there(fire):
     assert match.referee.shot(0, match.now)
     assert not match.referee.shot_hit(1, 0, 0, match.now, shots_told=True)
     assert (match.player("bob").life, match.player("ada").hits) == (90, 1)
+
+
+def test_a_hit_that_the_line_of_fire_refuses_is_an_event(fire):
+    see(fire, (0.5, 1, WEST), (2.0, 1, EAST))
+    assert not meets(fire)
+    assert not fire.referee.shot_hit(1, 0, 0, fire.now, shots_told=True), "the same shot again"
+    message, text = to_message(fire.state), public_status(fire.state)
+    assert [(one.kind, one.name, one.by, one.life) for one in message.events] == [
+        (GameEvent.REFUSED, "bob", "ada", 100)
+    ]
+    assert [one["kind"] for one in text["events"]] == [GameEvent.REFUSED]
+    kept = [(one.at, kind_of(one.event), to_json(one.event)) for one in fire.referee.take_journal()]
+    assert [kind for _, kind, _ in kept].count("HitRefused") == 1
+    _, bob = courses(kept)
+    assert [change[1:] for change in bob.changes] == [("refused", 100, "ada")]
+    assert bob.hits == 0
 
 
 def test_a_robot_that_has_turned_away_since_its_shot_has_fired_it(fire):

@@ -1,6 +1,6 @@
 // What has happened between two states of the battle, as the feed tells it. Pure.
 
-import { isSameBattle, newHits } from "./hits.js";
+import { isSameBattle, newHits, newRefusals } from "./hits.js";
 import { UNKNOWN_BATTLE } from "./messages.js";
 import { COUNTDOWN, PLAYING, STOPPED } from "./state.js";
 import { teamsOf } from "./teams.js";
@@ -8,14 +8,14 @@ import { teamsOf } from "./teams.js";
 /** @typedef {import("./messages.js").Status} Status */
 
 /**
- * "hit" and "out" are of the one who was hit.
+ * "hit", "out" and "refused" are of the one who was hit.
  * @typedef {object} Change
- * @property {"joined"|"left"|"ready"|"unready"|"countdown"|"cancelled"|"start"|"hit"|"out"|"end"|"aborted"|"paused"|"resumed"} kind
+ * @property {"joined"|"left"|"ready"|"unready"|"countdown"|"cancelled"|"start"|"hit"|"out"|"refused"|"end"|"aborted"|"paused"|"resumed"} kind
  * @property {string} name of the player; "" if it is nobody's
  * @property {number|null} avatar
  * @property {number|null} life after it
  * @property {number|null} robot
- * @property {{name: string, avatar: number|null, streak: number, revenge: boolean}|null} by the shooter, for "hit" and "out"; null: the light does not tell
+ * @property {{name: string, avatar: number|null, streak: number, revenge: boolean}|null} by the shooter, for "hit", "out" and "refused"; null: the light does not tell
  * @property {string[]} winners who have won, for "end"
  * @property {number[]} teams that have won, for "end"; none: everybody has fought alone
  */
@@ -55,15 +55,17 @@ function ofPhase(previous, current) {
   return found;
 }
 
-/** The hits that the referee tells, then the lives that are lost without one. */
+/** The hits that the referee tells, those that do not count, then the lives that are lost without one. */
 function ofHits(previous, current) {
   const people = byName([...previous.users, ...current.result, ...current.users]);
-  const hits = newHits(previous, current).map(({ name, by, life, streak = 0, revenge = false }) => ({
-    ...ofPlayer(life > 0 ? "hit" : "out", { avatar: null, robot: null, ...people.get(name), name, life }),
+  const ofHit = (kind, { name, by, life, streak = 0, revenge = false }) => ({
+    ...ofPlayer(kind, { avatar: null, robot: null, ...people.get(name), name, life }),
     by: by ? { name: by, avatar: people.get(by)?.avatar ?? null, streak, revenge } : null,
-  }));
+  });
+  const hits = newHits(previous, current).map((hit) => ofHit(hit.life > 0 ? "hit" : "out", hit));
+  const refusals = newRefusals(previous, current).map((hit) => ofHit("refused", hit));
   const told = byName(hits);
-  return [...hits, ...ofLives(previous, current).filter(({ name }) => !told.has(name))];
+  return [...hits, ...refusals, ...ofLives(previous, current).filter(({ name }) => !told.has(name))];
 }
 
 function ofLives(previous, current) {

@@ -1,21 +1,28 @@
-// Which hits are news, as far as the referee tells each of them: who has shot whom. Pure.
+// Which hits are news, as far as the referee tells each of them: who has shot whom, and which of them do not count. Pure.
 
 import { UNKNOWN_BATTLE } from "./messages.js";
 
 /** @typedef {import("./messages.js").Status} Status */
 /** @typedef {import("./messages.js").Hit} Hit */
 
+const REFUSED = 2; // kind of laser_bot_battle/GameEvent
+
 /** Whether two states are of one battle, as far as it is known. */
 export const isSameBattle = (one, other) =>
   one.battle === other.battle || [one.battle, other.battle].includes(UNKNOWN_BATTLE);
 
 /**
- * The hits of `current` that `previous` has not told, in their order; states in between may be missing.
+ * The hits of `current` that have cost life and that `previous` has not told, in their order; states in between may be missing.
  * @param {Status|null} previous null right after the page has been opened: then nothing is news
  * @param {Status} current
  * @returns {Hit[]}
  */
-export function newHits(previous, current) {
+export const newHits = (previous, current) => newEvents(previous, current).filter(({ kind }) => kind !== REFUSED);
+
+/** Likewise those that have not, since the shooter's light cannot have gone there. */
+export const newRefusals = (previous, current) => newEvents(previous, current).filter(({ kind }) => kind === REFUSED);
+
+function newEvents(previous, current) {
   if (!previous || !current.events) return [];
   if (!isSameBattle(previous, current)) return current.events;
   if (previous.events) {

@@ -26,6 +26,7 @@
  *
  * @typedef {object} Hit
  * @property {number} number grows from hit to hit
+ * @property {0|1|2} kind it has cost life, or the last of it, or, being refused, none
  * @property {string} name who was hit
  * @property {string} by the shooter; empty: the light does not tell
  * @property {number} life that is left
