@@ -71,12 +71,15 @@ class OverheadProgram:
         self._said: dict[object, float] = {}  # when the log had each trouble
 
     async def run(self) -> NoReturn:
-        """Look at pictures for ever."""
-        async with asyncio.TaskGroup() as tasks:
-            tasks.create_task(self._eye.run())
-            tasks.create_task(self._tick())
-            while True:
-                await self._look()
+        """Look at pictures until this is cancelled."""
+        try:
+            async with asyncio.TaskGroup() as tasks:
+                tasks.create_task(self._eye.run())
+                tasks.create_task(self._tick())
+                while True:
+                    await self._look()
+        finally:  # it is latched, and others may tell places from now on
+            self._tell_covered([])
 
     def metrics(self) -> Iterable[Metric]:
         """For those who watch the program."""

@@ -14,7 +14,7 @@ from laser_bot_battle.msg import OverheadCovered, Positions
 from laser_bot_battle.names import OVERHEAD_COVERED, POSITIONS, Game
 from server.game.loop import GameLoop
 from server.game.snapshot import Snapshot
-from server.store.track import Floor, Piece, Pose, Track
+from server.store.track import Covered, Floor, Piece, Pose, Track
 
 
 class PositionsListener:
@@ -24,7 +24,7 @@ class PositionsListener:
         self._keep, self._game = keep, game
         self._lock = threading.Lock()
         self._track: Track | None = None
-        self._covered: frozenset[int] = frozenset()
+        self._covered = Covered()
         rospy.Subscriber(OVERHEAD_COVERED, OverheadCovered, self._hear_covered, queue_size=1)
         rospy.Subscriber(POSITIONS, Positions, self._see, queue_size=1)
 
@@ -51,7 +51,8 @@ class PositionsListener:
             self._keep(piece)
 
     def _hear_covered(self, message: OverheadCovered) -> None:
-        self._covered = frozenset(message.robots)
+        with self._lock:
+            self._covered.hear(message.robots, time.monotonic())
 
     def _see(self, message: Positions) -> None:
         now = time.monotonic()
@@ -63,7 +64,7 @@ class PositionsListener:
                 (floor.width, floor.height),
             )
         with self._lock:
-            piece = self._track and self._track.see(now, floor, poses, self._covered)
+            piece = self._track and self._track.see(now, floor, poses, self._covered.at(now))
             if piece:
                 self._keep(piece)
 

@@ -12,6 +12,7 @@ RATE = 5.0  # positions of a robot a second, at most
 MAX_POINTS = 12_000  # positions of all robots until the battle's time limit, or in its first SPAN
 SPAN = 600.0  # s; few battles last longer, whatever their limit
 PIECE = 10.0  # s of a piece: a server that is killed loses no more
+COVERED = 1.5  # s; a covered robot has a place for 1 s, so that whoever tells of it says something new by then
 
 Pose = tuple[float, float, float]  # x and y in m, heading in rad, counter-clockwise from x
 Sighting = Pose | tuple[float, float, float, bool]  # True: it was covered, and that is only predicted
@@ -53,6 +54,21 @@ class Piece:
             "times": [round(at - began, 2) for at in self.times],
             "robots": {str(robot): [pose and _rounded(pose) for pose in seen] for robot, seen in self.robots.items()},
         }
+
+
+class Covered:
+    """The robots that are not seen, by ID, as somebody tells who may be gone. Times in monotonic s."""
+
+    def __init__(self) -> None:
+        self._robots: Collection[int] = ()
+        self._heard = -math.inf
+
+    def hear(self, robots: Collection[int], now: float) -> None:
+        self._robots, self._heard = frozenset(robots), now
+
+    def at(self, now: float) -> Collection[int]:
+        """None of them once nothing new has been told for longer than a covered robot has a place."""
+        return self._robots if now - self._heard <= COVERED else ()
 
 
 class Track:

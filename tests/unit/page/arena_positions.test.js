@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { Covered } from "../../../server/static/js/arena/covered.js";
 import { Motion } from "../../../server/static/js/arena/motion.js";
 import { readPositions } from "../../../server/static/js/arena/positions.js";
 import { Presence } from "../../../server/static/js/arena/presence.js";
@@ -23,6 +24,15 @@ test("without a floor there is nothing, what is no place or no wall is left out,
   assert.deepEqual(readPositions(positions({ walls: [0, 0, 1, 1, 5, 5, null, 5, 7] })).floor.walls, [[0, 0, 1, 1]]);
   const crowd = Array.from({ length: 10_000 }, (_, n) => seen(n));
   assert.equal(readPositions(positions({ robots: crowd })).robots.length, 128);
+});
+
+test("robots are covered only as long as somebody may say so", () => {
+  const covered = new Covered();
+  assert.deepEqual(covered.at(0), []);
+  covered.hear([4], 10_000);
+  assert.deepEqual([covered.at(11_400), covered.at(11_600)], [[4], []]);
+  covered.hear([], 12_000);
+  assert.deepEqual(covered.at(12_100), []);
 });
 
 const at = (x, values = {}) => [{ id: 0, name: "Robot0", x, y: 0, heading: 0, ...values }];

@@ -3,7 +3,7 @@
 import json
 import math
 
-from server.store.track import MAX_POINTS, PIECE, RATE, Floor, Piece, Track, join
+from server.store.track import MAX_POINTS, PIECE, RATE, Covered, Floor, Piece, Track, join
 
 FLOOR = Floor(2.0, 1.0, ((0, 0, 2, 0),))
 
@@ -48,6 +48,16 @@ def test_only_who_fights_is_kept_and_who_is_not_seen_is_nowhere():
     piece = track.take()
     assert piece
     assert piece.robots == {3: [(1, 1, 0), None], 5: [None, (1, 1, 0)]}
+
+
+def test_robots_are_covered_only_as_long_as_somebody_may_say_so():
+    covered = Covered()
+    assert not covered.at(0.0)
+    covered.hear([3, 5], 10.0)
+    assert covered.at(11.4) == {3, 5}
+    assert not covered.at(11.6)
+    covered.hear([], 12.0)
+    assert not covered.at(12.1)
 
 
 def test_where_a_covered_robot_was_thought_to_be_is_marked():

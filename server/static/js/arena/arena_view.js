@@ -3,6 +3,7 @@
 
 import { t } from "../common/words.js";
 import { arenaPlayers } from "../battle/players.js";
+import { Covered } from "./covered.js";
 import { inWords } from "./in_words.js";
 import { Motion } from "./motion.js";
 import { Picture } from "./picture.js";
@@ -27,7 +28,7 @@ export class ArenaView {
   #shooting = new Shooting();
   #presence = new Presence(performance.now());
   #robots = []; // the newest
-  #covered = []; // IDs of those that are not seen
+  #covered = new Covered();
   #floor = ""; // as text
   #state = "connecting"; // that was told
 
@@ -54,7 +55,7 @@ export class ArenaView {
       topic: "/positions", type: "laser_bot_battle/Positions", throttle_rate: RATE, queue_length: 1,
       take: (message) => this.#see(message),
     },
-    { topic: "/overhead/covered", type: "laser_bot_battle/OverheadCovered", take: ({ robots }) => (this.#covered = robots) },
+    { topic: "/overhead/covered", type: "laser_bot_battle/OverheadCovered", take: ({ robots }) => this.#covered.hear(robots, performance.now()) },
     { topic: "/shots", type: "laser_bot_battle/Shot", take: ({ robot }) => this.#shoot(robot) },
   ];
 
@@ -86,7 +87,7 @@ export class ArenaView {
   }
 
   #see(message) {
-    const seen = readPositions(message, this.#covered);
+    const seen = readPositions(message, this.#covered.at(performance.now()));
     if (!seen) return;
     this.#presence.hear(performance.now());
     this.#become();
