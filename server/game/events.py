@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from server.game.people import Cause, How, Name, Words, signature
-from server.game.place_events import EffectEnded, Fenced, HillHeld, HitRefused, PickedUp, PickUpLaid
+from server.game.place_events import EffectEnded, Fenced, HillHeld, HillOpened, HitRefused, PickedUp, PickUpLaid
 from server.game.snapshot import Placing
 from server.game.tournament_events import (
     GameWon,
@@ -459,6 +459,7 @@ Event = (
     | Hit
     | Fenced
     | HitRefused
+    | HillOpened
     | HillHeld
     | PickUpLaid
     | PickedUp

@@ -35,6 +35,19 @@ class HitRefused:
 
 
 @dataclass(frozen=True, slots=True)
+class HillOpened:
+    """A hill of the floor counts in this battle."""
+
+    zone: str  # where, as the floor's file names it
+    x: float  # m, of its middle
+    y: float
+    radius: float
+
+    def __str__(self) -> str:
+        return f"the hill {self.zone} can be held"
+
+
+@dataclass(frozen=True, slots=True)
 class HillHeld:
     """A fighter has held a hill, alone or with the own team, for another second."""
 
@@ -89,4 +102,4 @@ class EffectEnded:
         return f"{self.kind} has ended for {self.name} (robot {self.robot})"
 
 
-PlaceEvent = Fenced | HitRefused | HillHeld | PickUpLaid | PickedUp | EffectEnded
+PlaceEvent = Fenced | HitRefused | HillOpened | HillHeld | PickUpLaid | PickedUp | EffectEnded

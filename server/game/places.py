@@ -10,7 +10,7 @@ from laser_bot_battle.floor import Zone
 from laser_bot_battle.names import Game
 from server.game.hill import Hill, is_in
 from server.game.pickups import LASTS, REPAIR, REPAIRED
-from server.game.place_events import EffectEnded, Fenced, HillHeld, PickedUp, PickUpLaid, PlaceEvent
+from server.game.place_events import EffectEnded, Fenced, HillHeld, HillOpened, PickedUp, PickUpLaid, PlaceEvent
 from server.game.rules import Rules
 from server.game.sight import FREE, Moment, Sight, beyond
 from server.game.snapshot import Place
@@ -30,6 +30,7 @@ class Places:
         self._spots = [zone for zone in zones if zone.kind == "pick-up"]
         self._sight, self._hill = Sight(), Hill()
         self._seen_at = -math.inf
+        self._opened = 0  # battle whose hills were told
 
     def begin(self) -> None:
         """A battle begins, or its clock stands or goes on."""
@@ -53,7 +54,9 @@ class Places:
             if user.fence != sides:
                 yield Fenced(user.name, user.robot, sides.ahead, sides.behind)
         if state.game is Game.PLAYING and state.paused_at is None:
-            yield from self._earned(moment, state, rules)
+            if rules.hill:
+                yield from self._opened_in(state.battle)
+                yield from self._earned(moment, state)
             yield from self._taken(moment, state)
 
     def deadlines(self, state: State, rules: Rules) -> Iterator[tuple[float, PlaceEvent]]:
@@ -80,13 +83,18 @@ class Places:
         ]
         return (*hills, *lying)
 
-    def _earned(self, moment: Moment, state: State, rules: Rules) -> Iterator[HillHeld]:
-        if rules.hill:
-            fighters = {user.robot: user for user in state.users.get_users_alive()}
-            sides = {robot: user.team or user.name for robot, user in fighters.items()}
-            for robot, hill in self._hill.see(moment, self._hills, sides):
-                points = fighters[robot].points + 1
-                yield HillHeld(fighters[robot].name, robot, points, hill.x, hill.y, hill.radius)
+    def _opened_in(self, battle: int) -> Iterator[HillOpened]:
+        if self._opened != battle:
+            self._opened = battle
+            for hill in self._hills:
+                yield HillOpened(hill.name, hill.x, hill.y, hill.radius)
+
+    def _earned(self, moment: Moment, state: State) -> Iterator[HillHeld]:
+        fighters = {user.robot: user for user in state.users.get_users_alive()}
+        sides = {robot: user.team or user.name for robot, user in fighters.items()}
+        for robot, hill in self._hill.see(moment, self._hills, sides):
+            points = fighters[robot].points + 1
+            yield HillHeld(fighters[robot].name, robot, points, hill.x, hill.y, hill.radius)
 
     def _taken(self, moment: Moment, state: State) -> Iterator[PickedUp]:
         for spot in self._spots:

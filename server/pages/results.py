@@ -132,6 +132,7 @@ def _add_battles(pages: Blueprint, results: Results) -> None:
             **_battle_fields(found),
             timeline=_moments(courses),
             places=results.places(found.id),
+            effects=results.effects(found.id),
             track=results.track(found.id),
         )
 

@@ -1,19 +1,23 @@
-"""What was on the floor of a battle, for its replay, from its events: hills and pick-ups. Pure."""
+"""What was on the floor of a battle, and what it did to whom, for its replay, from its events. Pure.
+
+`recorded` are a battle's events as they are kept: Unix time in s, kind, fields. `since` and `until` are in s since it
+began; `until` is None for what was so to the end.
+"""
 
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from server.game.snapshot import PLACES
 
-# the events that matter here, by server.game.events
-KINDS = ("BattleStarted", "HillHeld", "PickUpLaid", "PickedUp")
+# the events that matter to `marks` and `effects`, by server.game.events
+ON_FLOOR = ("BattleStarted", "HillOpened", "HillHeld", "PickUpLaid", "PickedUp")
+ON_ROBOTS = ("BattleStarted", "PickedUp", "EffectEnded", "Left", "Unseated", "RobotGone", "BattleEnded")
+
+Events = Iterable[tuple[float, str, Mapping[str, Any]]]
 
 
-def marks(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[dict[str, Any]]:
-    """Of each its `kind` as in Place.msg, `x`, `y`, `radius` in m, and from when to when it was there, `since` and
-    `until`, in s since the battle began; `until` is None for what was there to the end. A hill that nobody has ever
-    held is not among them. `recorded`: Unix time in s, kind, fields.
-    """
+def marks(recorded: Events) -> list[dict[str, Any]]:
+    """Hills and pick-ups: of each its `kind` as in Place.msg, `x`, `y`, `radius` in m, `since` and `until`."""
     began = 0.0
     hills: dict[tuple[float, float], dict[str, Any]] = {}
     found: list[dict[str, Any]] = []
@@ -22,7 +26,7 @@ def marks(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[dict
         match kind:
             case "BattleStarted":
                 began = at
-            case "HillHeld":
+            case "HillOpened" | "HillHeld":  # an older server told of hills only when somebody held them
                 hills.setdefault((data["x"], data["y"]), _mark("hill", data, 0.0))
             case "PickUpLaid":
                 lying[data["zone"]] = _mark(data["kind"], data, at - began)
@@ -30,6 +34,38 @@ def marks(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[dict
             case "PickedUp" if data["zone"] in lying:
                 lying.pop(data["zone"])["until"] = at - began
     return [*hills.values(), *found]
+
+
+def effects(recorded: Events) -> list[dict[str, Any]]:
+    """What was picked up and worked for a while: of each `name` of whom, `what`, `since` and `until`."""
+    began = 0.0
+    found: list[dict[str, Any]] = []
+    working: dict[tuple[int, str], dict[str, Any]] = {}  # by robot and kind
+    for at, kind, data in recorded:
+        match kind:
+            case "BattleStarted":
+                began = at
+            case "PickedUp" if data["seconds"] and (data["robot"], data["kind"]) not in working:
+                effect = {"name": data["name"], "what": data["kind"], "since": at - began, "until": None}
+                working[data["robot"], data["kind"]] = effect
+                found.append(effect)
+            case "EffectEnded" | "Left" | "Unseated" | "RobotGone" | "BattleEnded":
+                for key, effect in tuple(working.items()):
+                    if _ends(kind, data, key, effect["name"]):
+                        working.pop(key)["until"] = at - began
+    return found
+
+
+def _ends(kind: str, data: Mapping[str, Any], effect: tuple[int, str], name: str) -> bool:
+    match kind:
+        case "EffectEnded":
+            return bool(effect == (data["robot"], data["kind"]))
+        case "RobotGone":
+            return bool(effect[0] == data["robot"])
+        case "Left" | "Unseated":
+            return bool(name == data["name"])
+        case _:
+            return True
 
 
 def _mark(kind: str, data: Mapping[str, Any], since: float) -> dict[str, Any]:

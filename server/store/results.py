@@ -34,7 +34,7 @@ from server.store.clocks import Clocks
 from server.store.course import Course
 from server.store.database import AwayError, clock_of, last_battle, make_engine
 from server.store.fighters import read_courses
-from server.store.marks import KINDS, marks
+from server.store.marks import ON_FLOOR, ON_ROBOTS, effects, marks
 from server.store.tally import COUNTS, SHOOTING, is_left_over, sums
 from server.store.track import join
 
@@ -158,10 +158,13 @@ class Results:
 
     def places(self, battle: int) -> list[dict[str, Any]]:
         """What was on the floor in that battle, see server.store.marks."""
-        events = schema.events.c
-        recorded = select(events.at, events.kind, events.data).where(events.battle == battle, events.kind.in_(KINDS))
         with self._reading() as connection:
-            return marks((row.at, row.kind, row.data) for row in connection.execute(recorded.order_by(events.id)))
+            return marks(_events(connection, battle, ON_FLOOR))
+
+    def effects(self, battle: int) -> list[dict[str, Any]]:
+        """What worked for whom in that battle, see server.store.marks."""
+        with self._reading() as connection:
+            return effects(_events(connection, battle, ON_ROBOTS))
 
     def leaderboard(self, begin: float, end: float) -> list[Standing]:
         """The most wins, in battles that began from `begin` to before `end`; equals by fewer hits per battle."""
@@ -287,6 +290,14 @@ def _with_fighters(connection: Connection, rows: Sequence[Row[Any]], clocks: Clo
         )
         for row in rows
     ]
+
+
+def _events(connection: Connection, battle: int, kinds: Sequence[str]) -> Iterator[tuple[float, str, dict[str, Any]]]:
+    """Of that battle, in their order: Unix time in s, kind, fields."""
+    events = schema.events.c
+    kept = select(events.at, events.kind, events.data).where(events.battle == battle, events.kind.in_(kinds))
+    for row in connection.execute(kept.order_by(events.id)):
+        yield row.at, row.kind, row.data
 
 
 def _running(connection: Connection, clocks: Clocks) -> dict[int, float]:

@@ -112,10 +112,19 @@ def positions(*places: tuple[float, float]) -> dict[str, Any]:
     return {"width": 1.6, "height": 1.2, "walls": WALLS, "robots": robots}
 
 
-def status(*events: dict[str, Any]) -> dict[str, Any]:
-    """A GameStatus as rosbridge writes it: a battle of four on the robots 0 to 3, the last of whom is out."""
+def status(*events: dict[str, Any], effects: int = 0) -> dict[str, Any]:
+    """A GameStatus as rosbridge writes it: a battle of four on the robots 0 to 3, the last of whom is out; robot 2 has
+    these effects of pick-ups."""
     users = [
-        {"name": name, "robot": robot, "life": max(0, 100 - 34 * robot), "ready": True, "avatar": robot, "team": 0}
+        {
+            "name": name,
+            "robot": robot,
+            "life": max(0, 100 - 34 * robot),
+            "ready": True,
+            "avatar": robot,
+            "team": 0,
+            "effects": effects * (robot == 2),
+        }
         for robot, name in enumerate(NAMES)
     ]
     return {
@@ -125,6 +134,7 @@ def status(*events: dict[str, Any]) -> dict[str, Any]:
 
 
 RIM = 0.0525  # m, of a robot's chassis
+SHIELD, RAYS = 0.0975, 0.114  # m from its middle
 PLACES = ((0.3, 0.3), (0.8, 0.3), (0.3, 0.9), (1.3, 0.9), (1.3, 0.3))
 
 
@@ -162,16 +172,25 @@ def test_the_picture_has_the_robots_their_players_shots_and_hits(
     until(lambda: not is_red(between), 10, "the shot is over")
     back = [PLACES[2][0] - 0.075, PLACES[2][1]]  # of robot 2, where a dash of its rim would be
 
-    def light() -> int:
+    def light(*covered: int) -> int:
+        sized.evaluate("robots => tell('/overhead/covered', {robots})", covered)
         sized.evaluate("message => tell('/positions', message)", positions(*PLACES))
         return int(sum(sized.evaluate(COLOUR, back)))
 
     dark = light()
-    sized.evaluate("tell('/overhead/covered', {robots: [2]})")
-    until(lambda: light() > dark + 150, 10, "robot 2 is covered, and has a rim")
+    until(lambda: light(2) > dark + 150, 10, "robot 2 is covered, and has a rim")
     sized.screenshot(path=screenshots / f"arena-covered-{width}.png")
-    sized.evaluate("tell('/overhead/covered', {robots: []})")
     until(lambda: light() < dark + 30, 10, "it is seen again")
+
+    def around(effects: int, distance: float) -> list[int]:
+        sized.evaluate("message => take(message, 'Al')", status(hit, effects=effects))
+        sized.evaluate("message => tell('/positions', message)", positions(*PLACES))
+        return list(sized.evaluate(COLOUR, [PLACES[2][0] - distance, PLACES[2][1]]))
+
+    until(lambda: around(1, SHIELD)[2] > 150, 10, "its shield is a blue ring")
+    until(lambda: around(2, RAYS)[0] > 150 > around(2, SHIELD)[2], 10, "double damage is red rays beyond it")
+    sized.screenshot(path=screenshots / f"arena-effects-{width}.png")
+    until(lambda: max(around(0, RAYS)) < 150, 10, "it has nothing any more")
 
 
 def test_positions_that_stop_are_missed_and_come_back(chromium: Browser, game_page: GamePage) -> None:

@@ -57,13 +57,23 @@ test("who has joined later is not there before, and has the life with which it w
 
 test("the picture gets the robots that were seen, with who played them", () => {
   const fighters = [{ name: "ada", robot: 0, team: 1 }, { name: "bob", robot: 1, team: 0 }];
-  const battle = { fighters, timeline, track };
+  const battle = { fighters, timeline, track, effects: [] };
   assert.deepEqual(robotsAt(battle, 1.5), [{ id: 0, name: "ada", x: 0.5, y: 0, heading: 2 * Math.PI, covered: false, beam: false, hits: 0 }]);
   assert.deepEqual(robotsAt(battle, 3).map(({ name, hits }) => [name, hits]), [["ada", 1], ["bob", 0]]);
   const { me, players } = playersAt(battle, 3.5);
   assert.equal(me, null);
   assert.deepEqual(players.map(({ name, robot, life, out }) => [name, robot, life, out]), [["ada", 0, 60, false], ["bob", 1, 100, true]]);
   assert.ok(players[0].colour && players[1].colour === null);
+});
+
+test("what was picked up works until it has ended, or to the end", () => {
+  const effects = [
+    { name: "ada", what: "shield", since: 2, until: 10 },
+    { name: "ada", what: "double damage", since: 5, until: null },
+  ];
+  const battle = { fighters: [{ name: "ada", robot: 0 }, { name: "bob", robot: 1 }], timeline: [], track, effects };
+  const of = (at) => playersAt(battle, at).players.map((player) => player.effects);
+  assert.deepEqual([1.9, 2, 5, 10, 99].map(of), [[0, 0], [1, 0], [3, 0], [2, 0], [2, 0]]);
 });
 
 test("a battle that has not ended is as long as its track", () => {

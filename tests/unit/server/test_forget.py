@@ -69,6 +69,7 @@ def happened(who: str, word: str) -> list[Event]:
         events.Hit("Zoë", 2, 0, who),
         place_events.Fenced(who, 1, True, False),
         place_events.HillHeld(who, 1, 12, 0.8, 0.6, 0.2),
+        place_events.HillOpened(word, 0.8, 0.6, 0.2),
         place_events.HitRefused(who, 1, 20, who),
         place_events.PickUpLaid(word, "repair", 0.8, 0.6, 0.2),
         place_events.PickedUp(who, 1, word, "shield", 40, 8.0),

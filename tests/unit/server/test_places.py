@@ -2,6 +2,7 @@
 
 import math
 from functools import partial
+from typing import Any
 
 import pytest
 
@@ -15,7 +16,7 @@ from server.game.rules import Rules
 from server.game.sight import REMEMBERED, Moment, Sides, beyond, could_meet
 from server.ros.status import to_message
 from server.store.course import courses
-from server.store.marks import marks
+from server.store.marks import effects, marks
 from server.web.watch import public_status
 from tests.unit.server.conftest import Match
 
@@ -27,6 +28,11 @@ WALL = (1.0, 0.5, 1.0, 1.5)
 def see(match: Match, *poses: tuple[float, float, float], walls=()) -> None:
     """Robots 0, 1 and so on stand so."""
     match.referee.see(Moment(match.now, tuple(walls), dict(enumerate(poses))), (WIDTH, HEIGHT))
+
+
+def kept(match: Match) -> list[tuple[float, str, dict[str, Any]]]:
+    """What was decided since the last call, as it is kept."""
+    return [(one.at, kind_of(one.event), to_json(one.event)) for one in match.referee.take_journal()]
 
 
 def meets(match: Match) -> bool:
@@ -105,9 +111,9 @@ def test_a_hit_that_the_line_of_fire_refuses_is_an_event(fire):
         (GameEvent.REFUSED, "bob", "ada", 100)
     ]
     assert [one["kind"] for one in text["events"]] == [GameEvent.REFUSED]
-    kept = [(one.at, kind_of(one.event), to_json(one.event)) for one in fire.referee.take_journal()]
-    assert [kind for _, kind, _ in kept].count("HitRefused") == 1
-    _, bob = courses(kept)
+    recorded = kept(fire)
+    assert [kind for _, kind, _ in recorded].count("HitRefused") == 1
+    _, bob = courses(recorded)
     assert [change[1:] for change in bob.changes] == [("refused", 100, "ada")]
     assert bob.hits == 0
 
@@ -382,7 +388,7 @@ def test_the_next_battle_begins_without_any_of_it(laid):
 def test_the_course_of_a_battle_tells_repairs_from_hits(laid):
     see(laid, (0.5, 1, EAST), AWAY)
     laid.hit("bob", 10)
-    recorded = [(one.at, kind_of(one.event), to_json(one.event)) for one in laid.referee.take_journal()]
+    recorded = kept(laid)
     ada, bob = courses(recorded)
     assert (ada.hits, ada.life, [change.what for change in ada.changes][-2:]) == (6, 70, ["hit", "repair"])
     assert (bob.hits, bob.life) == (10, 0)
@@ -390,12 +396,47 @@ def test_the_course_of_a_battle_tells_repairs_from_hits(laid):
 
 def test_a_replay_knows_when_something_lay_where():
     match = new_game(Rules(pickups=20, hill=True), "ada", "bob")
-    stay(match, 1.2, (2.0, 1, EAST), AWAY)
+    stay(match, 1.2, AWAY, AWAY)
     match.wait(20)
     see(match, AWAY, (0.5, 1, EAST))
-    found = marks([(one.at, kind_of(one.event), to_json(one.event)) for one in match.referee.take_journal()])
+    recorded = kept(match)
+    assert [kind for _, kind, _ in recorded].count("HillOpened") == 1, "once a battle"
+    found = marks(recorded)
     assert [(one["kind"], one["x"], one["radius"], one["since"] > 0, one["until"] is None) for one in found] == [
         (0, 2.0, 0.3, False, True),
         (1, 0.5, 0.1, True, False),
         (2, 3.5, 0.1, True, True),
+    ]
+
+
+def test_a_replay_knows_a_hill_of_which_an_older_server_told_only_who_held_it():
+    match = new_game(Rules(hill=True), "ada", "bob")
+    stay(match, 1.2, (2.0, 1, EAST), AWAY)
+    assert len(marks(one for one in kept(match) if one[1] != "HillOpened")) == 1
+
+
+def test_a_replay_knows_for_whom_what_was_picked_up_worked_when(laid):
+    see(laid, (3.5, 1, EAST), (0.5, 1, EAST))
+    laid.wait(9)
+    (effect,) = effects(kept(laid))
+    assert (effect["name"], effect["what"]) == ("ada", "shield"), "a repair has worked at once"
+    assert effect["until"] - effect["since"] == pytest.approx(8.0)
+
+
+@pytest.mark.parametrize(
+    ("kind", "data", "until"),
+    [
+        ("EffectEnded", {"name": "ada", "robot": 0, "kind": "shield"}, 7.0),
+        ("EffectEnded", {"name": "ada", "robot": 0, "kind": "double damage"}, None),
+        ("Left", {"name": "ada"}, 7.0),
+        ("Unseated", {"name": "bob"}, None),
+        ("RobotGone", {"robot": 0}, 7.0),
+        ("BattleEnded", {}, 7.0),
+    ],
+)
+def test_it_works_until_it_has_ended_or_its_fighter_is_gone(kind, data, until):
+    shield = {"name": "ada", "robot": 0, "zone": "left", "kind": "shield", "seconds": 8.0}
+    recorded = [(100.0, "BattleStarted", {}), (103.0, "PickedUp", shield), (105.0, "PickedUp", shield)]
+    assert effects([*recorded, (107.0, kind, data)]) == [
+        {"name": "ada", "what": "shield", "since": 3.0, "until": until}
     ]

@@ -2,8 +2,12 @@
 
 const HILL = 0; // kinds of laser_bot_battle/Place
 const REPAIR = 1;
-const SHIELD = 2;
+export const SHIELD = 2;
+export const DOUBLE_DAMAGE = 3;
 const COLOURS = ["255, 210, 94", "61, 255, 162", "120, 190, 255", "255, 122, 61"]; // by kind
+
+/** @param {number} kind of laser_bot_battle/Place @param {number} alpha */
+export const colourOfPlace = (kind, alpha) => `rgba(${COLOURS[kind] ?? COLOURS[HILL]}, ${alpha})`;
 
 /**
  * Draw them; the context is in metres, y up.
@@ -15,14 +19,13 @@ export function drawPlaces(context, places) {
 }
 
 function drawPlace(context, { kind, x, y, radius }) {
-  const colour = COLOURS[kind] ?? COLOURS[HILL];
   const light = context.createRadialGradient(x, y, 0, x, y, radius);
-  light.addColorStop(0, `rgba(${colour}, ${kind === HILL ? 0.05 : 0.3})`);
-  light.addColorStop(1, `rgba(${colour}, ${kind === HILL ? 0.22 : 0.1})`);
+  light.addColorStop(0, colourOfPlace(kind, kind === HILL ? 0.05 : 0.3));
+  light.addColorStop(1, colourOfPlace(kind, kind === HILL ? 0.22 : 0.1));
   disc(context, x, y, radius);
   context.fillStyle = light;
   context.fill();
-  context.strokeStyle = `rgba(${colour}, 0.9)`;
+  context.strokeStyle = colourOfPlace(kind, 0.9);
   context.lineWidth = 0.006;
   if (kind === HILL) context.setLineDash([0.03, 0.02]);
   context.stroke();

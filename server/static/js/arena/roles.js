@@ -3,7 +3,7 @@
 const BEGINS = ["countdown", "playing"]; // phases at which a player looks for the own robot
 
 /** @typedef {{name: string, robot: number, avatar: string|null, life: number, out: boolean, ready: boolean,
- *   colour: string|null}} Player */
+ *   colour: string|null, effects: number}} Player `effects` as in UserStatus.msg */
 /** @typedef {{me: string|null, phase: string, players: Player[]}} Players `me`: this page's own; null for a spectator */
 /** @typedef {{player: Player, isMe: boolean, out: boolean}} Role */
 

@@ -3,6 +3,7 @@
 import { colourOf, OUT } from "./colours.js";
 import { drawBeam } from "./beams.js";
 import { drawMark, isCalling } from "./mark.js";
+import { DOUBLE_DAMAGE, SHIELD } from "../battle/effects.js";
 import { drawSmoke } from "./smoke.js";
 import { drawTrack } from "./tracks.js";
 import { EMITTER, Memory } from "./memory.js";
@@ -207,6 +208,7 @@ export class Scene {
       robot,
       ...role,
       colour: role.out ? OUT : colour,
+      effects: role.out ? 0 : (role.player?.effects ?? 0),
       flash: this.#memory.flash(robot, now),
       remembered: this.#memory.of(robot),
       pixels: this.#toPixels(robot),
@@ -214,7 +216,7 @@ export class Scene {
     };
   }
 
-  #drawRobot(context, { robot, colour, flash, remembered, pixels, alpha }) {
+  #drawRobot(context, { robot, colour, effects, flash, remembered, pixels, alpha }) {
     const sprites = this.#sprites;
     const [cos, sin] = [Math.cos(robot.heading), Math.sin(robot.heading)];
     const put = (sprite, ahead = 0, aside = 0) =>
@@ -230,6 +232,8 @@ export class Scene {
     if (robot.covered) put(sprites.outline(colour));
     context.setTransform(1, 0, 0, 1, pixels.x, pixels.y);
     put(sprites.number(robot.id ?? "?"));
+    if (effects & DOUBLE_DAMAGE) put(sprites.rays());
+    if (effects & SHIELD) put(sprites.shield());
     context.globalAlpha = 1;
   }
 

@@ -1,5 +1,6 @@
 // The parts of robots, painted once for each size of the picture and then copied.
 
+import { paintRays, paintShield, REACH } from "./effects.js";
 import { paintBody, paintHalo, paintOutline, paintPuff, paintShadow, paintWheel, WHEEL } from "./robot.js";
 import { write } from "./text.js";
 
@@ -31,6 +32,16 @@ export class Sprites {
   /** Of a robot that is covered. */
   outline(colour) {
     return this.#sprite(`outline ${colour}`, 1.2 * this.#radius, (context) => paintOutline(context, this.#radius, colour));
+  }
+
+  /** Around a robot whom no hit harms. */
+  shield() {
+    return this.#sprite("shield", REACH * this.#radius, (context) => paintShield(context, this.#radius));
+  }
+
+  /** Around a robot that hits twice as hard. */
+  rays() {
+    return this.#sprite("rays", REACH * this.#radius, (context) => paintRays(context, this.#radius));
   }
 
   /** A wheel that has rolled so far (m). */

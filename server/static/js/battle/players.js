@@ -11,8 +11,8 @@ const PHASES = ["stopped", "countdown", "playing"];
  * @param {string|null} me this page's player; null for a spectator
  */
 export function arenaPlayers(status, me) {
-  const players = status.users.map(({ name, robot, life, ready, avatar, team }) => ({
-    name, robot, life, ready, out: status.game === PLAYING && ready && life === 0, avatar: avatarUrl(avatar), colour: arenaColour(team) ?? null,
+  const players = status.users.map(({ name, robot, life, ready, avatar, team, effects }) => ({
+    name, robot, life, ready, out: status.game === PLAYING && ready && life === 0, effects, avatar: avatarUrl(avatar), colour: arenaColour(team) ?? null,
   }));
   return { me, players, phase: PHASES[status.game] };
 }

@@ -1,5 +1,6 @@
 // What the state of the battle means to one player: texts, icons, button. Pure.
 
+import { DOUBLE_DAMAGE, SHIELD } from "./effects.js";
 import { hitsOf, newHits } from "./hits.js";
 import { UNKNOWN_BATTLE } from "./messages.js";
 import { noticeText, saysBattleOver } from "../common/notice.js";
@@ -11,9 +12,6 @@ import { t } from "../common/words.js";
 export const STOPPED = 0;
 export const COUNTDOWN = 1;
 export const PLAYING = 2;
-
-const SHIELD = 1; // of a player's effects
-const DOUBLE_DAMAGE = 2;
 
 const WARNING = 30; // s before the robot goes to others
 

@@ -3,6 +3,7 @@
 import { cheerButton } from "./audience.js";
 import { avatarUrl } from "../common/assets.js";
 import { element, lifeBar, setLife, setPicture, setText } from "../common/dom.js";
+import { effectsText } from "../battle/effects.js";
 import { wearColour } from "../common/robot_colours.js";
 import { leadersView } from "../results/leaders.js";
 import { podiumView } from "../results/podium.js";
@@ -85,7 +86,7 @@ function makeRow(name) {
     "li",
     { className: "watch-player" },
     element("img", { alt: "", width: 64, height: 64 }),
-    element("span", { className: "watch-who" }, makeMark(), element("strong", { className: "watch-name" }, name)),
+    element("span", { className: "watch-who" }, makeMark(), element("strong", { className: "watch-name" }, name), element("em", { className: "watch-effects" })),
     element("span", { className: "watch-robot" }),
     element("span", { className: "watch-life" }),
     lifeBar(t("watch.life_of", { name })),
@@ -107,6 +108,7 @@ function fillRow(row, user, game) {
   const kills = game === PLAYING && user.kills > 0 ? `, ${t("podium.kills", { n: user.kills })}` : "";
   const more = [handicapText(user), game === PLAYING && hillText(user)].filter(Boolean).map((text) => `, ${text}`);
   setText(row.querySelector(".watch-robot"), robot + kills + more.join(""));
+  setText(row.querySelector(".watch-effects"), effectsText(user));
   setText(row.querySelector(".watch-life"), text);
   const bar = row.querySelector(".bar");
   bar.hidden = game !== PLAYING || !user.ready;
