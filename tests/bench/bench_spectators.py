@@ -1,24 +1,33 @@
 """What spectators cost the drivers: `python3 -m tests.bench.bench_spectators` prints the latency of commands through
-rosbridge, of 4 drivers at 40 Hz each, while 0, 50 and 200 guests watch a battle as the page /watch does: its state, and
-where the robots are.
+rosbridge, of 4 drivers at 40 Hz each, while 0, 50 and 200 guests watch a battle as the page /watch does: its state,
+where the robots are, which of them shoot and which are covered, and how the camera above sees the floor.
 """
 
 import argparse
 import contextlib
+import itertools
 import json
 import re
 import selectors
 import statistics
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from urllib.parse import urlsplit
 
 import rospy
 
-from laser_bot_battle.msg import GameStatus, Positions, RobotPosition, UserStatus
-from laser_bot_battle.names import GAME_STATUS, POSITIONS
+from laser_bot_battle.msg import (
+    GameStatus,
+    OverheadCovered,
+    OverheadView,
+    Positions,
+    RobotPosition,
+    Shot,
+    UserStatus,
+)
+from laser_bot_battle.names import GAME_STATUS, OVERHEAD_COVERED, OVERHEAD_VIEW, POSITIONS, SHOTS
 from tests.bench.bench_rosbridge import Bench, Figures, cpu_seconds, our_rosbridge
 from tests.bench.rosbridge_load import SIGN_OF_LIFE, Remote, RosSide, Sockets
 from tests.support.bare import PONG, BareClient, frame
@@ -29,9 +38,11 @@ DRIVERS = 4
 RATE = 40  # commands/s of each
 CHANGES = 10  # states/s of a fierce battle
 SIGHTS = 15  # positions/s
+SHOOTING = 2  # positions from one shot to the next: four robots that shoot as fast as they can
+COVERING = 8  # positions until other robots are covered
 SECONDS = 10.0
-STATUS = Path("server/static/js/battle/status_feed.js")
-ARENA = Path("server/static/js/arena/arena_view.js")
+PAGES = Path("server/static/js")
+TOPIC = re.compile(r'\{\s*topic: "([^"]+)", type: "([^"]+)",(.*?)take:', re.DOTALL)
 
 
 class Referee:
@@ -41,6 +52,10 @@ class Referee:
         rospy.init_node("bench_referee", anonymous=True, disable_signals=True)
         self._publisher = rospy.Publisher(GAME_STATUS, GameStatus, latch=True, queue_size=10)
         self._positions = rospy.Publisher(POSITIONS, Positions, queue_size=1)
+        self._shots = rospy.Publisher(SHOTS, Shot, queue_size=10)
+        self._covered = rospy.Publisher(OVERHEAD_COVERED, OverheadCovered, latch=True, queue_size=10)
+        self._view = rospy.Publisher(OVERHEAD_VIEW, OverheadView, latch=True, queue_size=1)
+        self._view.publish(OverheadView(width=1280, height=720))
         self._over = threading.Event()
         self._threads = [threading.Thread(target=target) for target in (self._play, self._see)]
         for thread in self._threads:
@@ -48,9 +63,14 @@ class Referee:
 
     def _see(self) -> None:
         walls = [0.0, 0.0, 4.0, 0.0, 4.0, 0.0, 4.0, 2.25, 4.0, 2.25, 0.0, 2.25, 0.0, 2.25, 0.0, 0.0]
-        turn = 0.0
-        while not self._over.wait(1 / SIGHTS):
-            turn += 0.1
+        for sight in itertools.count():
+            if self._over.wait(1 / SIGHTS):
+                return
+            turn = sight / 10
+            if sight % SHOOTING == 0:
+                self._shots.publish(Shot(robot=sight // SHOOTING % DRIVERS))
+            if sight % COVERING == 0:
+                self._covered.publish(OverheadCovered([sight // COVERING % DRIVERS]))
             robots = [RobotPosition(number, number + turn % 1, 1 + turn % 0.7, turn % 3) for number in range(DRIVERS)]
             self._positions.publish(Positions(width=4, height=2.25, walls=walls, robots=robots))
 
@@ -161,14 +181,27 @@ def main() -> None:
 
 
 def page_subscriptions() -> list[dict[str, object]]:
-    """What the page sends, from its source: for the state, and for the positions."""
-    (text,) = re.findall(r"^const SUBSCRIPTION = (\{.*?^\});", (ROOT / STATUS).read_text(), re.DOTALL | re.MULTILINE)
+    """What the page sends, from its source: for the state, and for what it draws."""
+    feed = _source("battle/status_feed.js")
+    (text,) = re.findall(r"^const SUBSCRIPTION = (\{.*?^\});", feed, re.DOTALL | re.MULTILINE)
     without_comments = re.sub(r"//.*", "", text)
     quoted = re.sub(r"(\w+):", r'"\1":', without_comments)
     status = dict(json.loads(re.sub(r",\s*\}", "}", quoted)))
-    (rate,) = re.findall(r"^const RATE = (\d+);", (ROOT / ARENA).read_text(), re.MULTILINE)
-    wanted = {"topic": POSITIONS, "type": Positions._type, "throttle_rate": int(rate), "queue_length": 1}
-    return [status, {"op": "subscribe", **wanted}]
+    assert "topics: [...arena.topics, ...realFloor.topics]" in _source("watch/watch.js")
+    return [status, *_topics("arena/arena_view.js"), *_topics("overhead/floor_picture.js")]
+
+
+def _topics(module: str) -> Iterator[dict[str, object]]:
+    """The subscriptions for the `topics` of that module."""
+    source = _source(module)
+    constants = dict(re.findall(r"^const ([A-Z]+) = (\d+);", source, re.MULTILINE))
+    for topic, kind, options in TOPIC.findall(source):
+        values = {name: int(constants.get(value, value)) for name, value in re.findall(r"(\w+): (\w+)", options)}
+        yield {"op": "subscribe", "id": f"subscribe:{topic}", "topic": topic, "type": kind, **values}
+
+
+def _source(module: str) -> str:
+    return (ROOT / PAGES / module).read_text()
 
 
 def show(guests: int, figures: Figures, load: float, rate: float) -> None:
