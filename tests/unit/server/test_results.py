@@ -176,6 +176,21 @@ def test_the_time_line_has_what_happened_in_order(played, browser):
     ]
 
 
+def test_what_was_on_the_floor_and_what_it_did_is_read_from_the_events(played, browser, file):
+    assert [browser.get("/results/1.json").json[what] for what in ("places", "effects")] == [[], []]
+    spot = {"zone": "left", "kind": "shield", "x": 0.5, "y": 1.0, "radius": 0.1}
+    taken = {"name": "Zoë", "robot": 0, "zone": "left", "kind": "shield", "life": 80, "seconds": 8.0}
+    with closing(sqlite3.connect(file)) as connection:
+        ((began,),) = connection.execute("SELECT began FROM battles WHERE id = 1").fetchall()
+    for at, kind, data in ((1, "PickUpLaid", spot), (2, "PickedUp", taken)):
+        row = began + at, 1, kind, json.dumps(data)
+        change(file, "INSERT INTO events (at, battle, kind, data, arena) VALUES (?, ?, ?, ?, '')", *row)
+    found = browser.get("/results/1.json").json
+    (place,), (effect,) = found["places"], found["effects"]
+    assert (place["kind"], place["since"], place["until"]) == (2, pytest.approx(1), pytest.approx(2))
+    assert (effect["name"], effect["what"], effect["since"]) == ("Zoë", "shield", pytest.approx(2))
+
+
 def test_a_battle_that_was_seen_from_above_can_be_played_again(played, browser, file):
     assert browser.get("/results/1.json").json["track"] is None
     assert 'id="replay"' not in browser.get("/results/1").text
