@@ -16,7 +16,7 @@ import threading
 import time
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Self
+from typing import NamedTuple, Self
 
 import psutil
 import requests
@@ -82,27 +82,37 @@ def figure(port: int, name: str) -> float:
     return next((float(line.removeprefix(name)) for line in lines if line.startswith(name)), 0.0)
 
 
-def ages_of_places(port: int, seconds: float) -> list[float]:
-    """In ms: of the newest picture when its places were told, again and again for so long."""
-    ages, end = [], time.monotonic() + seconds
-    while time.monotonic() < end:
-        ages.append(figure(port, AGE) * 1e3)
-        time.sleep(TICK)
-    return ages
+class Work(NamedTuple):
+    """Of the tracker's program."""
+
+    rate: float  # pictures looked at, each second
+    ages: list[float]  # ms, of the newest picture when its places were told, again and again
+    tracker: float  # cores that it takes
+    painter: float  # that the arena takes to paint
 
 
-def measure_program(conditions: Conditions, seconds: float) -> None:
+def work_of_program(conditions: Conditions, seconds: float) -> Work:
     with ExitStack() as stack:
         tracker, port, painter, _ = started(stack, conditions)
         before = [cpu_seconds(pid) for pid in (tracker, painter)]
         first, began = figure(port, PICTURES), time.monotonic()
-        ages = ages_of_places(port, seconds)
+        ages = []
+        while time.monotonic() < began + seconds:
+            ages.append(figure(port, AGE) * 1e3)
+            time.sleep(TICK)
         passed = time.monotonic() - began
         rate = (figure(port, PICTURES) - first) / passed
         after = [cpu_seconds(pid) for pid in (tracker, painter)]
-        own, painting = [(later - sooner) / passed * 100 for sooner, later in zip(before, after, strict=True)]
-        cuts = statistics.quantiles(ages, n=100)
-        print(f"{rate:8.1f}{cuts[49]:9.1f}{cuts[94]:8.1f}{max(ages):8.1f}{own:12.1f}{painting:11.1f}", flush=True)
+        own, painting = [(later - sooner) / passed for sooner, later in zip(before, after, strict=True)]
+        return Work(rate, ages, own, painting)
+
+
+def measure_program(conditions: Conditions, seconds: float) -> None:
+    rate, ages, own, painting = work_of_program(conditions, seconds)
+    cuts = statistics.quantiles(ages, n=100)
+    print(
+        f"{rate:8.1f}{cuts[49]:9.1f}{cuts[94]:8.1f}{max(ages):8.1f}{own * 100:12.1f}{painting * 100:11.1f}", flush=True
+    )
 
 
 class Lookers:
