@@ -29,7 +29,12 @@ esac
 
 
 def play(tasks: str, folder: Path, **more: object) -> None:
-    given = {"fleet_ca": folder / "ca", "master_backup": folder / "saved/evening.tar", **more}
+    given = {
+        "fleet_ca": folder / "ca",
+        "master_backup": folder / "saved/evening.tar",
+        "master_floors": folder / "data/floors",
+        **more,
+    }
     variables = "".join(f"{name}: {value}\n" for name, value in given.items())
     run = play_role("master", tasks, variables, folder, "laser_bot_master")
     assert recap(run.stdout)["laser_bot_master"]["failed"] == 0, run.stdout
@@ -66,12 +71,16 @@ def test_the_database_is_saved_before_another_image(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_database_and_ca_come_back_as_they_were_saved(tmp_path: Path) -> None:
+def test_database_floors_and_ca_come_back_as_they_were_saved(tmp_path: Path) -> None:
     (tmp_path / "ca").mkdir()
     for name in ("ca.key", "ca.crt"):
         (tmp_path / "ca" / name).write_text(name)
     database = make_database(tmp_path)
     mark(database, 7)
+    floor = tmp_path / "data/floors/hall-1a2b3c4d.json"
+    floor.parent.mkdir(parents=True)
+    floor.write_text("of the desk")
+    (floor.parent / ".hall-1a2b3c4d.json.x").write_text("half of ano")
     play("backup", tmp_path)
     saved = tmp_path / "saved" / "evening.tar"
     assert saved.stat().st_mode & 0o077 == 0, "it has the CA's key"
@@ -80,11 +89,27 @@ def test_database_and_ca_come_back_as_they_were_saved(tmp_path: Path) -> None:
     for name in ("ca.key", "ca.crt"):
         (tmp_path / "ca" / name).write_text("another one's")
     mark(database, 8)
+    floor.write_text("another one")
+    (floor.parent / ".hall-1a2b3c4d.json.x").unlink()
     play("restore_ca", tmp_path)
+    play("restore_floors", tmp_path)
     play("restore_database", tmp_path)
+    before = floor.with_name(f"{floor.name}.before")
+    assert {path: path.read_text() for path in floor.parent.iterdir()} == {floor: "of the desk", before: "another one"}
     assert {path.name: path.read_text() for path in (tmp_path / "ca").iterdir()} == {
         "ca.key": "ca.key",
         "ca.crt": "ca.crt",
     }
     assert (mark(database), mark(database.with_name("laserbot.db.before"))) == (7, 8)
     assert (tmp_path / "told").read_text() == "stop laserbot-web\nstart laserbot-web\n"
+
+
+@pytest.mark.slow
+def test_who_has_no_floor_of_the_desk_misses_none(tmp_path: Path) -> None:
+    (tmp_path / "ca").mkdir()
+    for name in ("ca.key", "ca.crt"):
+        (tmp_path / "ca" / name).write_text(name)
+    make_database(tmp_path)
+    play("backup", tmp_path)
+    play("restore_floors", tmp_path)
+    assert not (tmp_path / "data").exists()
