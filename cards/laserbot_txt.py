@@ -5,8 +5,6 @@
 It is written by hand, on any computer and in any editor. Whatever is wrong in it costs its own line and nothing else.
 """
 
-import base64
-import binascii
 import difflib
 import re
 import sys
@@ -14,12 +12,12 @@ from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from cards import values
 from laser_bot_battle import variables
 from laser_bot_battle.settings import shown, trimmed
 
 FILE = "laserbot.txt"
 LONGEST = 65_536  # bytes; what comes later is not read
-ROLES = ("robot", "master")
 _QUOTES = ('""', "''", "“”", "„“", "‘’", "«»")  # pairs
 
 
@@ -27,7 +25,7 @@ _QUOTES = ('""', "''", "“”", "„“", "‘’", "«»")  # pairs
 class Card:
     """What the card is, and what the file says. None and (): nothing, so that whoever uses it takes the default."""
 
-    role: str = "robot"  # one of ROLES: not the file but the image that was written to the card decides
+    role: str = "robot"  # one of values.ROLES: not the file but the image that was written to the card decides
     arena: str | None = None  # the name of the arena to join, or under which the master announces itself
     name: str | None = None  # of the robot, also as its host
     wifi: str | None = None  # a network's name (SSID)
@@ -173,7 +171,7 @@ def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
     return (
         _Field(
             "role",
-            lambda text: _role(text, role),
+            lambda text: values.role(text, role),
             role,
             "What this card makes of a Raspberry Pi. It is here to be read: another role is another image.",
         ),
@@ -186,18 +184,20 @@ def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
         ),
         _Field(
             "name",
-            _host_name,
+            values.host_name,
             "raspberrypi1",
             "The robot's name, also in the network (raspberrypi1.local). Each robot has another one.",
             only="robot",
         ),
-        _Field("wifi", _wifi, "Arena", "The Wi-Fi's name. With a cable, none is needed."),
-        _Field("wifi_password", _wifi_password, "correct horse", "Its password (WPA).", is_secret=True),
-        _Field("country", _country, "DE", "The country's two letters, for the Wi-Fi channels that are allowed there."),
-        _Field("time_zone", lambda text: _zone(text, zones), "Europe/Berlin", "The time zone."),
+        _Field("wifi", values.wifi, "Arena", "The Wi-Fi's name. With a cable, none is needed."),
+        _Field("wifi_password", values.wifi_password, "correct horse", "Its password (WPA).", is_secret=True),
+        _Field(
+            "country", values.country, "DE", "The country's two letters, for the Wi-Fi channels that are allowed there."
+        ),
+        _Field("time_zone", lambda text: values.zone(text, zones), "Europe/Berlin", "The time zone."),
         _Field(
             "ssh_keys",
-            _ssh_key,
+            values.ssh_key,
             "ssh-ed25519 AAAAC3NzaC1lZDI1NTE5AAAAIAABAgMEBQYHCAkKCwwNDg8QERITFBUWFxgZGhscHR4f me@my-computer",
             "Who may log in over SSH as the user pi: the content of a file like id_ed25519.pub.\n"
             "One line for each key.",
@@ -215,82 +215,12 @@ def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
         ),
         _Field(
             "camera",
-            _camera,
+            values.camera,
             "libcamera",
             "The robot's camera: libcamera for the Raspberry Pi's own, /dev/video0 for one at USB.",
             only="robot",
         ),
     )
-
-
-def _role(text: str, own: str) -> str:
-    if text.lower() not in ROLES:
-        raise ValueError(f"must be {' or '.join(ROLES)}")
-    if text.lower() != own:
-        raise ValueError(f"this is a {own}'s card; a {text.lower()}'s is made from laserbot-{text.lower()}.img.xz")
-    return own
-
-
-def _host_name(text: str) -> str:
-    if not re.fullmatch(r"[a-z0-9]([a-z0-9-]{0,61}[a-z0-9])?", text.lower()):
-        raise ValueError("must be at most 63 letters (a to z), digits and -, which is neither first nor last")
-    return text.lower()
-
-
-def _wifi(text: str) -> str:
-    if len(text.encode()) > 32:
-        raise ValueError("must be at most 32 bytes, as every Wi-Fi's name is")
-    return text
-
-
-def _wifi_password(text: str) -> str:
-    # printable ASCII is all that WPA knows; 64 digits are the key itself
-    if not re.fullmatch(r"[ -~]{8,63}|[0-9a-fA-F]{64}", text):
-        raise ValueError("must be 8 to 63 letters (a to z), digits and signs, or 64 hexadecimal digits")
-    return text
-
-
-def _country(text: str) -> str:
-    if not re.fullmatch(r"[a-zA-Z]{2}", text) or text.upper() == "UK":
-        raise ValueError("must be the two letters of ISO 3166, such as DE, GB or US")
-    return text.upper()
-
-
-def _zone(text: str, zones: Collection[str]) -> str:
-    known = {zone.lower(): zone for zone in zones}
-    wanted = re.sub(r"\s+", "_", text.lower())
-    if wanted in known:
-        return known[wanted]
-    # many write only the city
-    nearest = difflib.get_close_matches(wanted, known, 1) or [
-        zone
-        for city in difflib.get_close_matches(wanted, sorted({zone.rpartition("/")[2] for zone in known}), 1)
-        for zone in sorted(known)
-        if zone.rpartition("/")[2] == city
-    ]
-    raise ValueError(f"there is no such time zone{f'; the nearest is {known[nearest[0]]}' if nearest else ''}")
-
-
-def _ssh_key(text: str) -> str:
-    kind, _, rest = text.partition(" ")
-    try:
-        content = base64.b64decode(rest.partition(" ")[0], validate=True)
-    except binascii.Error:
-        content = b""
-    # a key begins with the length and the name of its kind
-    if not re.fullmatch(r"(ssh|ecdsa|sk)-[\w@.-]+", kind) or content[:4] + content[4 : 4 + len(kind)] != (
-        len(kind).to_bytes(4, "big") + kind.encode()
-    ):
-        raise ValueError("must be a whole public key in one line, such as ssh-ed25519 AAAA... me@my-computer")
-    return text
-
-
-def _camera(text: str) -> str:
-    if text.lower() == "libcamera":
-        return text.lower()
-    if not re.fullmatch(r"/dev/[\w/.-]+", text):
-        raise ValueError("must be libcamera or a device such as /dev/video0")
-    return text
 
 
 if __name__ == "__main__":
