@@ -1,13 +1,14 @@
 """The containers on a card: what laserbot.txt makes of them, and which the engine is given."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from cards.containers import Container, containers
+from cards.engine import EngineError
 from cards.laserbot_txt import Card
-from cards.run import EngineError, arrange
+from cards.run import arrange
+from tests.support.card_engine import CardEngine
 
 DESCRIBED: dict[str, Container] = {
     "robot": {
@@ -22,37 +23,6 @@ OF_A_MASTER: dict[str, Container] = {
     "web": {"Image": "webserver:1", "Env": ["LASERBOT_FLOOR=battle"]},
     "announcer": {"Image": "webserver:1", "Env": ["LASERBOT_ARENA=laser-bot-master"]},
 }
-
-
-class Engine:
-    """An engine of which only this much is known: images, and containers with their bodies and states."""
-
-    def __init__(self) -> None:
-        self.images: set[str] = set()
-        self.containers: dict[str, Any] = {}
-        self.changes: list[str] = []
-
-    def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
-        if method != "GET":
-            self.changes.append(f"{method} {path}")
-        match method, path.partition("?")[0].strip("/").split("/"):
-            case "GET", ["images", image, "json"]:
-                return (200, {}) if image in self.images else (404, {})
-            case "POST", ["images", "load"]:
-                self.images.add(body.read().decode())
-            case "GET", ["containers", name, "json"]:
-                return (200, self.containers[name]) if name in self.containers else (404, {})
-            case "POST", ["containers", "create"]:
-                if body["Image"] not in self.images:
-                    return 404, {"message": "no such image"}
-                self.containers[path.partition("=")[2]] = {"Config": body, "State": {"Status": "created"}}
-            case "POST", ["containers", name, "start"]:
-                self.containers[name]["State"]["Status"] = "running"
-            case "DELETE", ["containers", name]:
-                del self.containers[name]
-            case other:
-                raise AssertionError(other)
-        return 200, {}
 
 
 @pytest.fixture
@@ -92,7 +62,7 @@ def test_a_masters_card_runs_all_that_a_master_has(card: Card, announced: str, i
         "laserbot-announcer": [f"LASERBOT_ARENA={announced}"],
     }
     image.write_text("webserver:1")
-    engine = Engine()
+    engine = CardEngine()
     arrange(engine, found, image)
     assert {name: found["State"]["Status"] for name, found in engine.containers.items()} == {
         "laserbot-web": "running",
@@ -101,7 +71,7 @@ def test_a_masters_card_runs_all_that_a_master_has(card: Card, announced: str, i
 
 
 def test_the_first_start_loads_the_image_once_and_runs_all(image: Path) -> None:
-    engine = Engine()
+    engine = CardEngine()
     arrange(engine, wanted(Card(camera="libcamera")), image)
     assert engine.changes.count("POST /images/load?quiet=1") == 1
     assert {name: found["State"]["Status"] for name, found in engine.containers.items()} == {
@@ -111,7 +81,7 @@ def test_the_first_start_loads_the_image_once_and_runs_all(image: Path) -> None:
 
 
 def test_what_is_as_wanted_is_left_even_when_a_person_has_stopped_it(image: Path) -> None:
-    engine = Engine()
+    engine = CardEngine()
     arrange(engine, wanted(), image)
     engine.containers["laserbot-robot"]["State"]["Status"] = "exited"
     engine.changes.clear()
@@ -120,7 +90,7 @@ def test_what_is_as_wanted_is_left_even_when_a_person_has_stopped_it(image: Path
 
 
 def test_a_start_that_was_cut_off_is_done_again(image: Path) -> None:
-    engine = Engine()
+    engine = CardEngine()
     arrange(engine, wanted(), image)
     engine.containers["laserbot-robot"]["State"]["Status"] = "created"
     arrange(engine, wanted(), image)
@@ -128,7 +98,7 @@ def test_a_start_that_was_cut_off_is_done_again(image: Path) -> None:
 
 
 def test_another_laserbot_txt_makes_other_containers(image: Path) -> None:
-    engine = Engine()
+    engine = CardEngine()
     arrange(engine, wanted(Card(camera="libcamera")), image)
     arrange(engine, wanted(Card(arena="hall"), "r2"), image)
     [(name, robot)] = engine.containers.items()
@@ -136,8 +106,15 @@ def test_another_laserbot_txt_makes_other_containers(image: Path) -> None:
     assert {"LASERBOT_ARENA=hall", "LASERBOT_ROBOT_NAME=r2"} <= set(robot["Config"]["Env"])
 
 
+def test_a_container_that_is_not_wanted_any_more_goes(image: Path) -> None:
+    engine = CardEngine()
+    arrange(engine, {**wanted(), "laserbot-of-another-version": wanted()["laserbot-robot"]}, image)
+    arrange(engine, wanted(), image)
+    assert list(engine.containers) == ["laserbot-robot"]
+
+
 def test_what_ansible_has_deployed_stays(image: Path) -> None:
-    engine = Engine()
+    engine = CardEngine()
     engine.containers = {"laserbot-robot": {"Config": {"Labels": None}, "State": {"Status": "exited"}}}
     arrange(engine, wanted(), image)
     assert not engine.changes
@@ -146,4 +123,4 @@ def test_what_ansible_has_deployed_stays(image: Path) -> None:
 def test_what_the_engine_refuses_is_told(image: Path) -> None:
     image.write_text("another:1")
     with pytest.raises(EngineError, match=r"POST /containers/create.*no such image"):
-        arrange(Engine(), wanted(), image)
+        arrange(CardEngine(), wanted(), image)

@@ -1,0 +1,55 @@
+"""The container engine of a card, by its API."""
+
+import json
+import socket
+from http.client import HTTPConnection
+from typing import Any, BinaryIO, Protocol
+
+
+class Engine(Protocol):
+    def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
+        """The status and what the answer says. `body`: what becomes JSON, or a file."""
+
+
+class EngineError(Exception):
+    pass
+
+
+def do(engine: Engine, method: str, path: str, body: Any = None) -> Any:
+    """What the engine answers. EngineError if it refuses that."""
+    status, answer = engine.ask(method, path, body)
+    if status >= 300:
+        raise EngineError(f"the engine refuses {method} {path}: {status} {answer}")
+    return answer
+
+
+def inspect(engine: Engine, name: str) -> Any:
+    """What the engine says of that container; None if it has none."""
+    status, found = engine.ask("GET", f"/containers/{name}/json")
+    return found if status == 200 else None
+
+
+class Socket:
+    """An engine at a socket of this host."""
+
+    def __init__(self, path: str) -> None:
+        self._path = path
+
+    def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
+        connection = HTTPConnection("engine")
+        connection.sock = socket.socket(socket.AF_UNIX)
+        try:
+            connection.sock.connect(self._path)
+            content: bytes | BinaryIO | None = body
+            kind = "application/x-tar"
+            if isinstance(body, dict):
+                content, kind = json.dumps(body).encode(), "application/json"
+            connection.request(method, path, content, {"Content-Type": kind} if content else {})
+            response = connection.getresponse()
+            text = response.read().decode()
+        finally:
+            connection.close()
+        try:
+            return response.status, json.loads(text)
+        except ValueError:  # nothing, or a line for each part of an image
+            return response.status, text
