@@ -11,7 +11,7 @@ help:
 	@echo 'make scale [N="8 100"] [SECONDS=20]  how many players one master carries'
 	@echo 'make soak [MINUTES=30] [SEED=7]  a long evening in which parts fail at random'
 	@echo 'make images                    the container images; PUSH=host:port, ARCHIVE=file, PLATFORM=linux/arm/v7'
-	@echo 'make cards                     the SD cards of a robot and a master: build/cards/laserbot-*.img.xz'
+	@echo 'make cards                     the SD cards of a robot and a master, and their update: build/cards/laserbot-*'
 	@echo 'make fleet [HOSTS=3]           a master and robots like real hosts, deployed over SSH; make fleet-down removes them'
 	@echo 'make fleet-faults              reboots, cuts and kills in that fleet; prints the recovery times'
 	@echo 'make setup                     only installs and builds what the others need'

@@ -35,6 +35,7 @@ class Card:
     ssh_keys: tuple[str, ...] = ()  # lines of authorized_keys
     operator_token: str | None = None  # at least variables.SHORTEST_TOKEN characters
     camera: str | None = None  # as LASERBOT_CAMERA
+    version: str | None = None  # of the game, one of values.VERSIONS
 
 
 class Mistake(NamedTuple):
@@ -219,6 +220,13 @@ def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
             "libcamera",
             "The robot's camera: libcamera for the Raspberry Pi's own, /dev/video0 for one at USB.",
             only="robot",
+        ),
+        _Field(
+            "version",
+            values.version,
+            values.PREVIOUS,
+            "The version of the game: newest, or previous for the one before the last update. The robots follow.",
+            only="master",
         ),
     )
 

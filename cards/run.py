@@ -1,26 +1,34 @@
-"""Runs the card's containers as laserbot.txt says, at each start once the engine answers.
+"""Runs the card's containers as laserbot.txt says, at each start once the engine answers, and when there is another
+version of the game.
 
     python3 -m cards.run [--boot FOLDER]
 
 The engine starts again by itself what it has. It lacks them at the first start, after the state was made anew, and
-when laserbot.txt has changed.
+when laserbot.txt has changed. A version that is new here has to show that it runs; if it does not, the one before runs
+again.
 """
 
 import argparse
-import json
 import socket
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from cards import trial
 from cards.containers import LABEL, Container, containers
-from cards.engine import Engine, Socket, do, inspect
-from cards.start import own_role, read
+from cards.engine import Engine, EngineError, Socket, do, inspect
+from cards.files import MASTER_HOST
+from cards.laserbot_txt import Card
+from cards.start import own_role, read, tell
+from cards.store import Store
+from cards.values import PREVIOUS
+from cards.versions import candidates, failed, kept, proven
 
 HERE = Path(__file__).resolve().parents[1]
-IMAGE = HERE / "image.tar"
-DESCRIBED = HERE / "containers"
+STATE = Path("/var/lib/laserbot-card")
+ENGINE = "/run/docker.sock"
 
 
 def main() -> int:
@@ -28,9 +36,49 @@ def main() -> int:
     parser.add_argument("--boot", type=Path, default=Path("/boot/firmware"), help="the card's first partition")
     arguments = parser.parse_args()
     card, _ = read(arguments.boot, own_role())
-    described = {path.stem: json.loads(path.read_text()) for path in DESCRIBED.iterdir()}
-    arrange(Socket("/run/docker.sock"), containers(card, socket.gethostname(), described), IMAGE)
+    settle(Socket(ENGINE), Store(STATE, HERE), card, socket.gethostname(), tell=partial(tell, arguments.boot))
     return 0
+
+
+def settle(
+    engine: Engine,
+    store: Store,
+    card: Card,
+    host: str,
+    *,
+    tell: Callable[[str], None],
+    tried: Callable[[Engine, Collection[str], Collection[str]], bool] = trial.run,
+) -> None:
+    """Run the version that is wished or, if it does not run, the next best, and serve it to the robots.
+
+    EngineError if not even the card's own runs.
+    """
+    state, back = store.state(), card.version == PREVIOUS
+    versions = candidates(state, back, store.stored(), store.own)
+    for version in versions:
+        try:
+            wanted = containers(card, host, store.described(version))
+            were_healthy = trial.healthy(engine, wanted)
+            arrange(engine, wanted, store.image(version))
+            if version != state.trial:
+                break
+            if tried(engine, wanted, were_healthy):
+                state = proven(state)
+                store.remember(state)
+                break
+            reason = "its containers do not stay up"
+        except (EngineError, ValueError) as error:
+            if version == versions[-1]:
+                raise
+            reason = str(error)
+        tell(f"version {version} does not run here, the one before runs again: {reason}")
+        if version == state.trial:
+            state = failed(state)
+            store.remember(state)
+    store.tidy(state)
+    _tidy_images(engine, store, {*kept(state), version})
+    if card.role == "master" and version == (state.previous if back else state.current):
+        store.serve(version, card.arena or MASTER_HOST)
 
 
 def arrange(engine: Engine, wanted: Mapping[str, Container], image: Path) -> None:
@@ -55,6 +103,11 @@ def arrange(engine: Engine, wanted: Mapping[str, Container], image: Path) -> Non
             _start(engine, name, wanted[name], image)
 
 
+def is_deployed_to(engine: Engine, names: Collection[str]) -> bool:
+    """Whether one of these containers is from Ansible."""
+    return any(found and _label(found) is None for found in (inspect(engine, name) for name in names))
+
+
 def _label(found: Any) -> str | None:
     """Of a container that the engine has told of: what it was made from."""
     label: str | None = (found["Config"]["Labels"] or {}).get(LABEL)
@@ -69,6 +122,17 @@ def _start(engine: Engine, name: str, container: Container, image: Path) -> None
     do(engine, "POST", f"/containers/create?name={name}", container)
     do(engine, "POST", f"/containers/{name}/start")
     print(f"started {name}", file=sys.stderr)
+
+
+def _tidy_images(engine: Engine, store: Store, versions: Collection[str]) -> None:
+    """Remove the game's images that none of these versions runs."""
+    there = {*versions} & {*store.stored(), store.own}
+    used = {container["Image"] for version in there for container in store.described(version).values()}
+    names = {image.partition(":")[0] for image in used}
+    for image in do(engine, "GET", "/images/json"):
+        for tag in image["RepoTags"] or ():
+            if tag.partition(":")[0] in names and tag not in used:
+                engine.ask("DELETE", f"/images/{tag}")  # refused if a container that is not the card's runs it
 
 
 if __name__ == "__main__":

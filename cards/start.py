@@ -40,7 +40,7 @@ def start(boot: Path, root: Path, role: str) -> None:
     if not (root / HOST_NAME[1:]).exists():
         decided.setdefault(HOST_NAME, File(f"{own_name(_serial(root))}\n"))
     for path, file in decided.items():
-        _put(root / path[1:], file)
+        put(root / path[1:], file)
     _tell(boot / ERRORS, mistakes)
 
 
@@ -67,7 +67,7 @@ def _serial(root: Path) -> str:
         return ""
 
 
-def _put(path: Path, file: File) -> None:
+def put(path: Path, file: File) -> None:
     """Atomically: the power may go at any moment."""
     if file.link:
         if path.is_symlink() and os.readlink(path) == file.content:
@@ -87,6 +87,17 @@ def _put(path: Path, file: File) -> None:
         if file.owner != "root":
             shutil.chown(new, file.owner, file.owner)
     new.replace(path)
+
+
+def tell(boot: Path, text: str) -> None:
+    """Add a line to what is wrong."""
+    print(text, file=sys.stderr)
+    path = boot / ERRORS
+    try:
+        known = path.read_bytes() if path.exists() else b""
+        path.write_bytes(known + f"{text}\r\n".encode())
+    except OSError as error:
+        print(f"{path}: cannot be written: {error.strerror}", file=sys.stderr)
 
 
 def _tell(path: Path, mistakes: list[Mistake]) -> None:

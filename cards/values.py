@@ -8,6 +8,8 @@ import re
 from collections.abc import Collection
 
 ROLES = ("robot", "master")
+PREVIOUS = "previous"
+VERSIONS = ("newest", PREVIOUS)
 
 
 def role(text: str, own: str) -> str:
@@ -78,3 +80,9 @@ def camera(text: str) -> str:
     if not re.fullmatch(r"/dev/[\w/.-]+", text):
         raise ValueError("must be libcamera or a device such as /dev/video0")
     return text
+
+
+def version(text: str) -> str:
+    if text.lower() not in VERSIONS:
+        raise ValueError(f"must be {' or '.join(VERSIONS)}")
+    return text.lower()

@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from cards.laserbot_txt import render
+from laser_bot_battle.names import VERSION
 from tests.integration.discovery.master import LanMaster
 from tests.support.avr import AVR_ROBOT, FIRMWARE, build
 from tests.support.lan import Lan, needs_root
@@ -76,11 +77,13 @@ def holds(card: Path, role: str, image: str, containers: list[str]) -> None:
     assert (first["start"], first["type"], second["type"]) == (FIRST_PARTITION // 512, "c", "83")
     assert card_file(card, "laserbot.txt").decode() == render(role)
     assert system_file(card, "opt/laserbot-card/role") == f"{role}\n"
+    assert system_file(card, "opt/laserbot-card/version").startswith(VERSION)
     folder = "opt/laserbot-card/containers"
     assert set(system_folder(card, folder)) == {f"{name}.json" for name in containers}
     for name in containers:
         container = json.loads(system_file(card, f"{folder}/{name}.json"))
-        assert container["Image"].partition(":")[0] == image
+        # of this build, and no other of the same version
+        assert re.fullmatch(rf"{image}:{re.escape(VERSION)}-sha256-[0-9a-f]{{64}}", container["Image"])
         assert container["HostConfig"]["RestartPolicy"]["Name"] == "unless-stopped"
 
 

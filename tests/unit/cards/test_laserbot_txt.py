@@ -39,6 +39,8 @@ TOKEN = "0123456789abcdef"
         (f"operator_token = {TOKEN}", Card(role="master", operator_token=TOKEN)),
         ("camera = LibCamera", Card(camera="libcamera")),
         ("camera = /dev/video0", Card(camera="/dev/video0")),
+        ("version = Previous", Card(role="master", version="previous")),
+        ("version = newest", Card(role="master", version="newest")),
         ("\ufeff\u200b  role\u00a0=\u00a0robot\u200b\u00a0\t", Card()),
         ("   # role = master", Card()),
         ("role =", Card()),
@@ -62,7 +64,7 @@ def test_a_line_is_understood(line: str, expected: Card) -> None:
         (
             "xyz = secret",
             "there is no such setting; there are role, arena, name, wifi, wifi_password, country, time_zone, ssh_key, "
-            "operator_token, camera",
+            "operator_token, camera, version",
         ),
         ("= robot", "there is no such setting; there are role, "),
         (KEY, "this is not `name = value`; a comment begins with #"),
@@ -94,6 +96,7 @@ def test_a_line_is_understood(line: str, expected: Card) -> None:
         (f"ssh_key = {KEY[:20]}", "ssh_key: must be a whole public key"),
         (f"ssh_key = {KEY.replace('ed25519', 'rsa')}", "ssh_key: must be a whole public key"),
         ("operator_token = too short", "operator_token: the token needs at least 16 characters"),
+        ("version = previous", "version = previous: is for a master's card only"),
         ("camera = video0", "camera = video0: must be libcamera or a device such as /dev/video0"),
     ],
 )
@@ -111,6 +114,7 @@ def test_a_wrong_line_is_told_and_costs_nothing_else(line: str, told: str) -> No
         ("role = robot", "role = robot: this is a master's card; a robot's is made from laserbot-robot.img.xz"),
         ("name = raspberrypi7", "name = raspberrypi7: is for a robot's card only"),
         ("camera = libcamera", "camera = libcamera: is for a robot's card only"),
+        ("version = 1.0.0", "version = 1.0.0: must be newest or previous"),
         (f"operator_token = {TOKEN[:-1]}", "operator_token: the token needs at least 16 characters"),
     ],
 )
@@ -174,7 +178,7 @@ def test_the_rest_of_an_endless_file_is_told() -> None:
     )
 
 
-@pytest.mark.parametrize("role, others", [("robot", {"operator_token"}), ("master", {"name", "camera"})])
+@pytest.mark.parametrize("role, others", [("robot", {"operator_token", "version"}), ("master", {"name", "camera"})])
 def test_a_new_card_sets_nothing_and_explains_everything(role: str, others: set[str]) -> None:
     assert parse(render(role).encode(), ZONES, role) == (Card(role=role), [])
     # each setting is there as an example that holds once its # is removed

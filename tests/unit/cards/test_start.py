@@ -6,7 +6,7 @@ import pytest
 
 from cards.files import files
 from cards.laserbot_txt import Card, render
-from cards.start import ERRORS, start
+from cards.start import ERRORS, start, tell
 
 WIFI = "/etc/wpa_supplicant/wpa_supplicant-wlan0.conf"
 KEYS = "/home/pi/.ssh/authorized_keys"
@@ -101,6 +101,15 @@ def test_mistakes_are_told_beside_the_file_until_they_are_gone(
     (boot / "laserbot.txt").write_text("name = r1\n")
     start(boot, root, "robot")
     assert not (boot / ERRORS).exists()
+
+
+def test_what_is_wrong_later_is_told_below(boot: Path, root: Path) -> None:
+    (boot / "laserbot.txt").write_text("role = both\n")
+    start(boot, root, "robot")
+    tell(boot, "laserbot-2.update: is broken")
+    lines = ["laserbot.txt, line 1: role = both: must be robot or master", "laserbot-2.update: is broken", ""]
+    assert (boot / ERRORS).read_bytes() == "\r\n".join(lines).encode()
+    tell(boot / "no partition", "it is on the screen all the same")
 
 
 def test_a_robots_card_is_no_master_and_says_so(boot: Path, root: Path) -> None:
