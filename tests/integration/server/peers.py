@@ -141,11 +141,12 @@ def hit(robot_id: str) -> None:
 
 def positions() -> None:
     rospy.init_node("peer_positions", anonymous=True)
-    rospy.Publisher("/overhead/covered", OverheadCovered, queue_size=1, latch=True).publish(OverheadCovered([1]))
+    covered = rospy.Publisher("/overhead/covered", OverheadCovered, queue_size=1)
     publisher = rospy.Publisher("/positions", Positions, queue_size=1)
     while not rospy.is_shutdown():
         x = 1 + 0.8 * math.sin(time.monotonic())
         robots = [RobotPosition(0, x, 0.5, 0.0), RobotPosition(1, 1.9, 0.9, math.pi)]
+        covered.publish(OverheadCovered([1]))  # again, as it is soon forgotten
         publisher.publish(Positions(2.0, 1.0, [0, 0, 2, 0, 1, 0, 1, 0.3], robots))
         time.sleep(0.1)
 

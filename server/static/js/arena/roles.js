@@ -1,5 +1,8 @@
 // Who plays which robot, as far as it is known, and when the battle has begun. Pure.
 
+export const SHIELD = 1; // of a player's effects, as in UserStatus.msg
+export const DOUBLE_DAMAGE = 2;
+
 const BEGINS = ["countdown", "playing"]; // phases at which a player looks for the own robot
 
 /** @typedef {{name: string, robot: number, avatar: string|null, life: number, out: boolean, ready: boolean,

@@ -3,11 +3,11 @@
 import { colourOf, OUT } from "./colours.js";
 import { drawBeam } from "./beams.js";
 import { drawMark, isCalling } from "./mark.js";
-import { DOUBLE_DAMAGE, SHIELD } from "../battle/effects.js";
 import { drawSmoke } from "./smoke.js";
 import { drawTrack } from "./tracks.js";
 import { EMITTER, Memory } from "./memory.js";
 import { DRIFT, isDue, isOther, MOTION, REST } from "./pace.js";
+import { DOUBLE_DAMAGE, SHIELD } from "./roles.js";
 import { drawPlaces } from "./places.js";
 import { paintGround, paintWalls } from "./floor.js";
 import { Sparks } from "./sparks.js";

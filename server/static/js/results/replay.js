@@ -1,6 +1,6 @@
 // A battle played again, from its JSON (docs/results.md). Pure: what there was to see at a time in s since it began.
 
-import { DOUBLE_DAMAGE, SHIELD } from "../battle/effects.js";
+import { DOUBLE_DAMAGE, SHIELD } from "../arena/roles.js";
 import { arenaColour } from "../battle/teams.js";
 
 const FULL_LIFE = 100;
