@@ -11,7 +11,7 @@ test("the arena hears who drives which robot, with which picture and pick-ups", 
   assert.deepEqual(shown(1, { robot: 3, ready: true, effects: 2 }), {
     me: "Ann",
     phase: "countdown",
-    players: [{ name: "Ann", robot: 3, life: 100, ready: true, out: false, effects: 2, avatar: "/static/avatar0-12AB34CD.svg", colour: null }],
+    players: [{ name: "Ann", robot: 3, life: 100, ready: true, out: false, avatar: "/static/avatar0-12AB34CD.svg", colour: null, shield: false, doubleDamage: true }],
   });
 });
 

@@ -72,8 +72,9 @@ test("what was picked up works until it has ended, or to the end", () => {
     { name: "ada", what: "double damage", since: 5, until: null },
   ];
   const battle = { fighters: [{ name: "ada", robot: 0 }, { name: "bob", robot: 1 }], timeline: [], track, effects };
-  const of = (at) => playersAt(battle, at).players.map((player) => player.effects);
-  assert.deepEqual([1.9, 2, 5, 10, 99].map(of), [[0, 0], [1, 0], [3, 0], [2, 0], [2, 0]]);
+  const of = (at) => playersAt(battle, at).players.map(({ shield, doubleDamage }) => [shield, doubleDamage]);
+  const [none, one, both, other] = [[false, false], [true, false], [true, true], [false, true]];
+  assert.deepEqual([1.9, 2, 5, 10, 99].map(of), [[none, none], [one, none], [both, none], [other, none], [other, none]]);
 });
 
 test("a battle that has not ended is as long as its track", () => {

@@ -1,12 +1,9 @@
 // Who plays which robot, as far as it is known, and when the battle has begun. Pure.
 
-export const SHIELD = 1; // of a player's effects, as in UserStatus.msg
-export const DOUBLE_DAMAGE = 2;
-
 const BEGINS = ["countdown", "playing"]; // phases at which a player looks for the own robot
 
 /** @typedef {{name: string, robot: number, avatar: string|null, life: number, out: boolean, ready: boolean,
- *   colour: string|null, effects: number}} Player `effects` as in UserStatus.msg */
+ *   colour: string|null, shield: boolean, doubleDamage: boolean}} Player */
 /** @typedef {{me: string|null, phase: string, players: Player[]}} Players `me`: this page's own; null for a spectator */
 /** @typedef {{player: Player, isMe: boolean, out: boolean}} Role */
 

@@ -7,7 +7,6 @@ import { drawSmoke } from "./smoke.js";
 import { drawTrack } from "./tracks.js";
 import { EMITTER, Memory } from "./memory.js";
 import { DRIFT, isDue, isOther, MOTION, REST } from "./pace.js";
-import { DOUBLE_DAMAGE, SHIELD } from "./roles.js";
 import { drawPlaces } from "./places.js";
 import { paintGround, paintWalls } from "./floor.js";
 import { Sparks } from "./sparks.js";
@@ -208,7 +207,6 @@ export class Scene {
       robot,
       ...role,
       colour: role.out ? OUT : colour,
-      effects: role.out ? 0 : (role.player?.effects ?? 0),
       flash: this.#memory.flash(robot, now),
       remembered: this.#memory.of(robot),
       pixels: this.#toPixels(robot),
@@ -216,7 +214,7 @@ export class Scene {
     };
   }
 
-  #drawRobot(context, { robot, colour, effects, flash, remembered, pixels, alpha }) {
+  #drawRobot(context, { robot, player, out, colour, flash, remembered, pixels, alpha }) {
     const sprites = this.#sprites;
     const [cos, sin] = [Math.cos(robot.heading), Math.sin(robot.heading)];
     const put = (sprite, ahead = 0, aside = 0) =>
@@ -232,8 +230,8 @@ export class Scene {
     if (robot.covered) put(sprites.outline(colour));
     context.setTransform(1, 0, 0, 1, pixels.x, pixels.y);
     put(sprites.number(robot.id ?? "?"));
-    if (effects & DOUBLE_DAMAGE) put(sprites.rays());
-    if (effects & SHIELD) put(sprites.shield());
+    if (player?.doubleDamage && !out) put(sprites.rays());
+    if (player?.shield && !out) put(sprites.shield());
     context.globalAlpha = 1;
   }
 

@@ -1,7 +1,9 @@
 // What pick-ups and the floor's edge do to robots. Pure.
 
-import { DOUBLE_DAMAGE, SHIELD } from "../arena/roles.js";
 import { t } from "../common/words.js";
+
+export const SHIELD = 1; // of a player's effects, as in UserStatus.msg
+export const DOUBLE_DAMAGE = 2;
 
 /** What a player's robot has of pick-ups, and that it is stopped at the floor's edge, in words for others; empty if nothing is so. */
 export const effectsText = ({ effects, fence, life }) =>

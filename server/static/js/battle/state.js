@@ -1,6 +1,6 @@
 // What the state of the battle means to one player: texts, icons, button. Pure.
 
-import { DOUBLE_DAMAGE, SHIELD } from "../arena/roles.js";
+import { DOUBLE_DAMAGE, SHIELD } from "./effects.js";
 import { hitsOf, newHits } from "./hits.js";
 import { UNKNOWN_BATTLE } from "./messages.js";
 import { noticeText, saysBattleOver } from "../common/notice.js";

@@ -1,6 +1,5 @@
 // A battle played again, from its JSON (docs/results.md). Pure: what there was to see at a time in s since it began.
 
-import { DOUBLE_DAMAGE, SHIELD } from "../arena/roles.js";
 import { arenaColour } from "../battle/teams.js";
 
 const FULL_LIFE = 100;
@@ -57,20 +56,17 @@ export function robotsAt({ fighters, timeline, track }, at) {
 /** What was on the floor. @returns {import("../battle/messages.js").Place[]} */
 export const placesAt = ({ places }, at) => places.filter(({ since, until }) => since <= at && (until === null || at < until));
 
-const EFFECTS = { shield: SHIELD, "double damage": DOUBLE_DAMAGE };
-
-/** What of pick-ups worked for a fighter: the sum of its EFFECTS. */
-export const effectsAt = ({ effects }, fighter, at) =>
-  effects
-    .filter(({ name, since, until }) => name === fighter && since <= at && (until === null || at < until))
-    .reduce((sum, { what }) => sum + (EFFECTS[what] ?? 0), 0);
+/** Whether this effect of a pick-up works for the fighter. */
+const hasAt = ({ effects }, fighter, effect, at) =>
+  effects.some(({ name, what, since, until }) => name === fighter && what === effect && since <= at && (until === null || at < until));
 
 /** Who played them. @returns {import("../arena/roles.js").Players} */
 export function playersAt(battle, at) {
   const { fighters, timeline } = battle;
   const players = fighters.map(({ name, robot, team }) => {
     const { life, out } = fighterAt(timeline, name, at);
-    return { name, robot, life, out, ready: true, effects: effectsAt(battle, name, at), avatar: null, colour: arenaColour(team) ?? null };
+    const [shield, doubleDamage] = ["shield", "double damage"].map((effect) => hasAt(battle, name, effect, at));
+    return { name, robot, life, out, ready: true, avatar: null, colour: arenaColour(team) ?? null, shield, doubleDamage };
   });
   return { me: null, phase: "", players };
 }
