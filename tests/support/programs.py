@@ -10,10 +10,14 @@ import weakref
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+import psutil
+
 from tests.support.polling import until
+from tests.support.processes import descendants
 
 ROOT = Path(__file__).resolve().parents[2]
 TAIL = 25  # lines
+ABORT = 2.0  # s for the last words of one that hangs
 
 _all: "weakref.WeakSet[Program]" = weakref.WeakSet()
 
@@ -36,7 +40,7 @@ class Program:
         self.command = [str(word) for word in command]
         self._log = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as the process
         weakref.finalize(self, self._log.close)
-        environment = {**os.environ, "PYTHONUNBUFFERED": "1", **(env or {})}
+        environment = {**os.environ, "PYTHONUNBUFFERED": "1", "PYTHONFAULTHANDLER": "1", **(env or {})}
         self.process = subprocess.Popen(
             ["setpriv", "--pdeathsig=INT", *self.command],
             env=environment,
@@ -91,10 +95,19 @@ class Program:
         try:
             until(lambda: not self.running, seconds, f"the end of {self.command}")
         except AssertionError as error:
+            self._abort()
             raise AssertionError(f"{error}\n{self.output}") from None
         finally:
             self.kill()
         return self.process.returncode
+
+    def _abort(self) -> None:
+        """Have what hangs say where: Python's fault handler prints what each thread is at."""
+        for process in [*reversed(descendants(self.process.pid)), self.process]:
+            with contextlib.suppress(psutil.NoSuchProcess):
+                process.send_signal(signal.SIGABRT)
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(ABORT)
 
     def kill(self) -> None:
         """End the whole group at once, as a power cut does."""
