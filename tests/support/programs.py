@@ -10,8 +10,6 @@ import weakref
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-import psutil
-
 from tests.support.polling import until
 from tests.support.processes import descendants
 
@@ -103,9 +101,9 @@ class Program:
 
     def _abort(self) -> None:
         """Have what hangs say where: Python's fault handler prints what each thread is at."""
-        for process in [*reversed(descendants(self.process.pid)), self.process]:
-            with contextlib.suppress(psutil.NoSuchProcess):
-                process.send_signal(signal.SIGABRT)
+        for pid in [*(process.pid for process in reversed(descendants(self.process.pid))), self.process.pid]:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGABRT)
         with contextlib.suppress(subprocess.TimeoutExpired):
             self.process.wait(ABORT)
 
