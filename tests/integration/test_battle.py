@@ -184,6 +184,10 @@ def test_a_robot_whose_arduino_comes_back_at_once_stays_in_the_battle(
 
 def test_after_a_restart_of_the_server_everybody_goes_on(battle: Demo, players: tuple[Player, Player]) -> None:
     ann, bob = players
+    until(lambda: {"Ann", "Bob"} == {user["name"] for user in ann.look()["users"]}, 10, "both are told of")
+    told = ann.look()
+    until(lambda: ann.look() is not told, 10, "something else is told: what came before is to be written")
+    battle.wait_until_written()
     battle.kill(r"python3 -m server\.main")
 
     def back() -> bool:

@@ -44,6 +44,10 @@ class Demo(Battle):
         """Until the end of the test; None: take it back."""
         self._operate("POST", f"robots/{robot}", bot=level)
 
+    def wait_until_written(self) -> None:
+        """Until the database has all that was handed to it."""
+        until(lambda: self._state()["database"]["waiting"] == 0, 10, "the database has all")
+
     def tidy(self) -> None:
         """Nobody plays, waits or is banned, no tournament is open, all robots stand ready, and the rules are those of
         the start."""
