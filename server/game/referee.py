@@ -177,7 +177,10 @@ class Referee:
         by: str | None = ""
         if shots_told:
             by = self._shooting.plain_hit(robot_id, victim, self._rules.friendly_fire, now)
-        return by is not None and self._wound(victim, self._rules.hit_damage, by, now)
+        if by is None or self._is_safe(victim, now):
+            return False
+        self._wound(victim, self._rules.hit_damage, by, now)
+        return True
 
     def shot_hit(self, robot_id: int, shooter: int, code: int, now: float, *, shots_told: bool = False) -> bool:
         """A robot has received a coded shot of the robot `shooter`, with that code of damage; whether it has cost its
@@ -190,13 +193,14 @@ class Referee:
         if fighter is not None:
             self._shooting.fire(shooter, fighter, now)
         by = self._shooting.coded_hit(robot_id, victim, shooter, self._rules.friendly_fire, now)
-        if by is None:
+        if by is None or self._is_safe(victim, now):
             return False
         if not self._places.may_have_met(shooter, robot_id, self._rules, now):
             self._decide(place_events.HitRefused(victim.name, robot_id, victim.life, by), now)
             return False
         damage = DAMAGES[code % len(DAMAGES)] if self._rules.light_damage else self._rules.hit_damage
-        return self._wound(victim, damage, by, now)
+        self._wound(victim, damage, by, now)
+        return True
 
     def see(self, moment: Moment, size: tuple[float, float]) -> None:
         """Where the robots are, on a floor of that width and height (m)."""
@@ -470,17 +474,17 @@ class Referee:
         runs = self._state.game is Game.PLAYING and self._state.paused_at is None
         return user if runs and user is not None and user.is_fighting else None
 
-    def _wound(self, victim: User, damage: int, by: str, now: float) -> bool:
-        """Whether it costs the victim life. The shot has met its robot in any case: it does not again later."""
-        if self._state.protection_left(now) > 0 or SHIELD in victim.effects:
-            return False
+    def _is_safe(self, victim: User, now: float) -> bool:
+        """Whether no hit costs the victim life now. A shot has met its robot in any case: it does not again later."""
+        return self._state.protection_left(now) > 0 or SHIELD in victim.effects
+
+    def _wound(self, victim: User, damage: int, by: str, now: float) -> None:
         shooter = self._state.fighter(by) if by else None
         if shooter is not None and DOUBLE in shooter.effects:
             damage *= 2
         life = max(0, victim.life - damage_with(victim.handicap, damage))
         self._decide(events.Hit(victim.name, victim.robot, life, by), now)
         self._settle(now, f"{victim.name} was shot down")
-        return True
 
     def _lose_robot(self, robot: Robot, now: float) -> None:
         self._decide(events.RobotGone(robot.id), now)

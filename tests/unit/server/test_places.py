@@ -118,6 +118,15 @@ def test_a_hit_that_the_line_of_fire_refuses_is_an_event(fire):
     assert bob.hits == 0
 
 
+def test_a_hit_on_who_is_protected_anyway_is_not_told_as_refused(new_match):
+    match = new_match(rules=Rules(light="coded", line_of_fire=2.0), protection=30)
+    match.start("ada", "bob")
+    match.wait(1)
+    see(match, (0.5, 1, WEST), (2.0, 1, EAST))
+    assert not meets(match)
+    assert match.state.happened == ()
+
+
 def test_a_robot_that_has_turned_away_since_its_shot_has_fired_it(fire):
     match = fire
     match.wait(1)
