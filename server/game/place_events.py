@@ -31,7 +31,7 @@ class HitRefused:
     by: Name  # the player who has shot
 
     def __str__(self) -> str:
-        return f"a hit of {self.by} on {self.name} (robot {self.robot}) does not count: out of the line of fire"
+        return f"a hit of {self.by} on {self.name} (robot {self.robot}) does not count: not in the line of fire"
 
 
 @dataclass(frozen=True, slots=True)

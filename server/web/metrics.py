@@ -65,7 +65,7 @@ def metrics(
     )
     yield counter(
         "laserbot_hits_refused_total",
-        "Coded hits that do not count since they came from out of the line of fire.",
+        "Coded hits that do not count, as the shooter was not in the line of fire.",
         refused,
     )
     yield gauge("laserbot_database_up", "1: the database takes what is decided.", not database.problem)
