@@ -166,6 +166,13 @@ def test_a_robot_that_does_not_run_with_a_version_goes_back_and_does_not_try_it_
     assert hall.robot.runs == "3"
 
 
+def test_a_robot_whose_master_or_arduino_is_away_during_the_trial_keeps_the_new_version(hall: Hall) -> None:
+    hall.robot.engine.ill.add(image("robot", "2"))
+    hall.serve("2")
+    hall.minute()
+    assert (hall.robot.runs, hall.robot.store.state()) == ("2", State("2", "1"))
+
+
 @pytest.mark.parametrize("trouble", ["short", "slow", "other"])
 def test_what_does_not_arrive_whole_is_got_again_a_minute_later(
     trouble: str, hall: Hall, monkeypatch: pytest.MonkeyPatch
