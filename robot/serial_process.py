@@ -4,6 +4,7 @@ which then ends it."""
 import os
 import subprocess
 import sys
+import threading
 import time
 
 from laser_bot_battle.names import (
@@ -50,6 +51,10 @@ class SerialNode:
         self._process = subprocess.Popen(
             words, env=self._environment, stdin=subprocess.PIPE, process_group=0, pass_fds=files
         )
+        # A signal that interrupts poll() or wait() may leave their lock held for ever. It interrupts no other thread
+        # than the main one.
+        self._waiter = threading.Thread(target=self._process.wait, name="serial node", daemon=True)
+        self._waiter.start()
 
     def start_again(self) -> None:
         """It has ended. The device is no longer starting: if it takes long to answer now, something is wrong."""
@@ -68,11 +73,10 @@ class SerialNode:
         """Politely, then by force."""
         if self.exit_code is None:
             self._process.terminate()
-            try:
-                self._process.wait(STOP_TIMEOUT)
-            except subprocess.TimeoutExpired:
+            self._waiter.join(STOP_TIMEOUT)
+            if self.exit_code is None:
                 self._process.kill()
-                self._process.wait()
+                self._waiter.join()
         self._let_go()
 
     def _let_go(self) -> None:
@@ -82,4 +86,4 @@ class SerialNode:
     @property
     def exit_code(self) -> int | None:
         """None while it runs, negative if a signal ended it."""
-        return self._process.poll()
+        return self._process.returncode
