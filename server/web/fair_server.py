@@ -20,6 +20,7 @@ from laser_bot_battle.listening import Listener
 from laser_bot_battle.open_files import allow_files
 from laser_bot_battle.proxies import FORWARDED, THIS_MACHINE, Network, is_proxy, visitor
 from server.web.lanes import Lane, Lanes, Task
+from server.web.turns import Turns
 
 PLACES, PROXIED = 500, 1500  # connections of visitors themselves, and of proxies; the front holds slow visitors back
 SHARE = 100  # of one address that is no proxy
@@ -55,13 +56,25 @@ class _Channel(HTTPChannel):  # type: ignore[misc]
     def __init__(self, *arguments: Any, **options: Any) -> None:
         self.waits_since = time.monotonic()
         self._begun_at: float | None = self.waits_since
+        self._asked, self._answered = 0, 0  # requests, counted while they are locked
         super().__init__(*arguments, **options)
 
     @property
     def address(self) -> str:
         return str(self.addr[0])
 
+    @property
+    def file(self) -> int | None:
+        """None: it is closed."""
+        file: int | None = self._fileno
+        return file
+
+    def add_channel(self, map: dict[int, Any] | None = None) -> None:  # noqa: A002 - waitress' name
+        super().add_channel(map)
+        self.server.turns.stir(self.file)
+
     def del_channel(self, map: dict[int, Any] | None = None) -> None:  # noqa: A002 - waitress' name
+        self.server.turns.leave(self.file)
         super().del_channel(map)
         self.server.forget(self)
 
@@ -81,6 +94,17 @@ class _Channel(HTTPChannel):  # type: ignore[misc]
     def service(self) -> None:
         super().service()
         self.waits_since = time.monotonic()
+        with self.requests_lock:
+            self._answered += 1
+
+    def is_asked(self) -> None:
+        """A worker will answer, and then has no more to do with it."""
+        self._asked += 1
+
+    @property
+    def rests(self) -> bool:
+        """No worker changes it."""
+        return self._asked == self._answered
 
     def is_late(self, now: float) -> bool:
         """Its request is not complete, and should be."""
@@ -105,7 +129,6 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
             connection_limit=PLACES + PROXIED + _SPARE,
             channel_timeout=_IDLE,
             cleanup_interval=1,
-            asyncore_use_poll=True,  # select() ends at 1024 files
             max_request_header_size=1 << 15,  # of each place, in memory
             max_request_body_size=1 << 20,  # what the application then refuses politely
             clear_untrusted_proxy_headers=False,  # the application knows which proxies are believed
@@ -114,6 +137,7 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
         self._lane, self._proxies = lane, proxies
         self._visitors, self._proxied = _Places(PLACES, SHARE), _Places(PROXIED, PROXIED)
         self._has_come = False
+        self.turns = Turns(channels, lambda member: isinstance(member, _Channel) and member.rests)
         allow_files(PLACES + PROXIED + _SPARE + _FILES)
         super().__init__(
             application,
@@ -124,6 +148,14 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
             sockinfo=(listener.family, listener.type, listener.proto, listener.getsockname()),
             bind_socket=False,
         )
+
+    def run(self) -> None:
+        self.turns.run(self.adj.asyncore_loop_timeout)
+
+    def add_task(self, task: Task) -> None:
+        if isinstance(task, _Channel):
+            task.is_asked()
+        super().add_task(task)
 
     def accept(self) -> Any:
         accepted = super().accept()
@@ -164,6 +196,8 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
         for channel in list(self.active_channels.values()):
             if channel.is_late(now):
                 channel.will_close = True
+            if channel.will_close:
+                self.turns.stir(channel.file)
 
 
 class _Places:
