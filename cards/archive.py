@@ -28,6 +28,7 @@ _CHUNK = 1 << 20  # bytes
 _VERSION = re.compile(r"[0-9A-Za-z][0-9A-Za-z.+-]{0,63}")
 _FILE = re.compile(r"(robot|master)/(image\.tar|containers/[a-z0-9-]{1,40}\.json)")
 _SUM = re.compile(r"[0-9a-f]{64}")
+_IMAGE = re.compile(r"[0-9A-Za-z._/:@-]+")
 # without which containers.py cannot do; a master runs whatever there is
 _NEEDED = {"robot": {"robot", "camera", "camera-libcamera"}, "master": {"web"}}
 
@@ -96,9 +97,10 @@ def manifest_of(path: Path) -> Manifest:
     try:
         with tarfile.open(path, "r:") as tar:
             first = tar.next()
-            file = tar.extractfile(first) if first and first.name == MANIFEST and first.size <= LONGEST else None
+            is_one = first and first.isreg() and first.name == MANIFEST and first.size <= LONGEST
+            file = tar.extractfile(first) if first and is_one else None
             manifest = parse(file.read() if file else b"")
-    except (tarfile.TarError, OSError):
+    except (tarfile.TarError, OSError, OverflowError):  # the last of a size that is none
         raise ValueError("is no update of LaserBot Battle, or broken: copy it again") from None
     if missing := [role for role in ROLES if not manifest.of(role).files]:
         raise ValueError(f"lacks what a {missing[0]}'s card needs")
@@ -113,11 +115,13 @@ def unpack(path: Path, manifest: Manifest, folder: Path) -> None:
             for member in tar:
                 if member.name == MANIFEST:
                     continue
-                source = tar.extractfile(member) if member.name in missing else None
-                if source is None:
+                if member.name not in missing:
                     raise ValueError(f"holds more than it should: {member.name[:80]!r}")
+                source = tar.extractfile(member) if member.isreg() else None
+                if source is None:
+                    raise ValueError(f"holds a link, a folder or a device as {member.name}")
                 copy(source, folder / member.name, missing.pop(member.name))
-    except tarfile.TarError:
+    except (tarfile.TarError, OverflowError):
         raise ValueError("ends too early: copy it again") from None
     if missing:
         raise ValueError("ends too early: copy it again")
@@ -142,17 +146,29 @@ def copy(source: Source, target: Path, expected: Sum) -> None:
 def check_descriptions(folder: Path) -> None:
     """ValueError unless each of the folder's containers/*.json describes a container."""
     for path in sorted(folder.glob("*/containers/*.json")):
-        description = _json(path)
-        if not (isinstance(description.get("Image"), str) and isinstance(description.get("Env"), list)):
-            raise ValueError(f"is broken: {path.name} describes no container")
+        description(path)
 
 
-def _json(path: Path) -> dict[str, Any]:
+def description(path: Path) -> dict[str, Any]:
+    """The container that the file describes. ValueError if it describes none."""
     try:
-        content = json.loads(path.read_bytes())
+        found = json.loads(path.read_bytes())
     except (ValueError, RecursionError):
-        content = None
-    return content if isinstance(content, dict) else {}
+        found = None
+    if not (isinstance(found, dict) and _is_container(found)):
+        raise ValueError(f"is broken: {path.name} describes no container")
+    return found
+
+
+def _is_container(found: dict[str, Any]) -> bool:
+    """As far as the card itself reads it. The engine judges the rest."""
+    image, environment = found.get("Image"), found.get("Env")
+    return (
+        isinstance(image, str)
+        and bool(_IMAGE.fullmatch(image))
+        and isinstance(environment, list)
+        and all(isinstance(entry, str) and "=" in entry for entry in environment)
+    )
 
 
 def write(version: str, folder: Path, target: Path) -> None:

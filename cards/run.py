@@ -12,6 +12,7 @@ import argparse
 import socket
 import sys
 from collections.abc import Callable, Collection, Mapping
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -128,7 +129,10 @@ def _start(engine: Engine, name: str, container: Container, image: Path) -> None
 def _tidy_images(engine: Engine, store: Store, versions: Collection[str]) -> None:
     """Remove the game's images that none of these versions runs."""
     there = {*versions} & {*store.stored(), store.own}
-    used = {container["Image"] for version in there for container in store.described(version).values()}
+    used: set[str] = set()
+    for version in there:
+        with suppress(ValueError):  # what is damaged runs no image
+            used |= {container["Image"] for container in store.described(version).values()}
     names = {image.partition(":")[0] for image in used}
     for image in do(engine, "GET", "/images/json"):
         for tag in image["RepoTags"] or ():

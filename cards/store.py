@@ -15,7 +15,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from cards.archive import MANIFEST, Manifest, parse, render
+from cards.archive import MANIFEST, Manifest, description, parse, render
 from cards.files import File
 from cards.start import put
 from cards.versions import State, kept
@@ -64,7 +64,7 @@ class Store:
 
     def described(self, version: str) -> dict[str, Any]:
         """The containers of that version, by name. ValueError if the card is broken."""
-        return {path.stem: json.loads(path.read_bytes()) for path in (self._home(version) / "containers").iterdir()}
+        return {path.stem: description(path) for path in (self._home(version) / "containers").iterdir()}
 
     def add(self, manifest: Manifest, fill: Callable[[Path], None]) -> None:
         """Store a version: `fill` writes its files into a folder. ValueError if there is no room for it."""

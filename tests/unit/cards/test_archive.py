@@ -111,6 +111,11 @@ def test_a_manifest_that_is_none_is_told(words: dict[str, Any], told: str, updat
         (DESCRIPTION, b"[]", "is broken: robot.json describes no container"),
         (DESCRIPTION, b'{"Image": "x"}', "is broken: robot.json describes no container"),
         (DESCRIPTION, b"{", "is broken: robot.json describes no container"),
+        (DESCRIPTION, b'{"Image": "x", "Env": [1]}', "is broken: robot.json describes no container"),
+        (DESCRIPTION, b'{"Image": "x", "Env": ["A"]}', "is broken: robot.json describes no container"),
+        (DESCRIPTION, b'{"Image": "x", "Env": {"A": "B"}}', "is broken: robot.json describes no container"),
+        (DESCRIPTION, b'{"Image": ["x"], "Env": []}', "is broken: robot.json describes no container"),
+        (DESCRIPTION, b'{"Image": "x y", "Env": []}', "is broken: robot.json describes no container"),
         (DESCRIPTION, None, f"lacks {DESCRIPTION}"),
         (IMAGE, None, f"lacks {IMAGE}"),
     ],
@@ -147,6 +152,28 @@ def test_nothing_is_written_that_the_manifest_does_not_name(
         tar.addfile(entry)
     assert refused(update, tmp_path / "unpacked").startswith("holds more than it should")
     assert {path.name for path in tmp_path.iterdir()} == {update.name, "unpacked"}
+
+
+@pytest.mark.parametrize("kind", [tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.DIRTYPE, tarfile.CHRTYPE, tarfile.FIFOTYPE])
+@pytest.mark.parametrize("name", [IMAGE, DESCRIPTION, "manifest.json"])
+def test_nothing_but_a_file_is_taken_for_one(name: str, kind: bytes, update: Path, tmp_path: Path) -> None:
+    with tarfile.open(update) as old, tarfile.open(tmp_path / "a.update", "w") as new:
+        for member in old:
+            content = old.extractfile(member)
+            if member.name == name:
+                member.type, member.linkname, member.size = kind, "nowhere", 0
+            new.addfile(member, content)
+    told = "is no update" if name == "manifest.json" else f"holds a link, a folder or a device as {name}"
+    assert refused(tmp_path / "a.update", tmp_path / "unpacked").startswith(told)
+
+
+def test_a_size_that_is_none_is_refused(update: Path, tmp_path: Path) -> None:
+    with tarfile.open(update) as old, (tmp_path / "a.update").open("wb") as new:
+        _, second, *_ = old
+        second.type, second.size = tarfile.XHDTYPE, 1 << 80  # of more words about the next file
+        new.write(update.read_bytes()[: second.offset])
+        new.write(second.tobuf(tarfile.GNU_FORMAT) + bytes(10240))
+    assert refused(tmp_path / "a.update", tmp_path / "unpacked") == "ends too early: copy it again"
 
 
 def test_the_program_writes_the_same_bytes_each_time(update: Path, tmp_path: Path) -> None:

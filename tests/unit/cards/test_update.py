@@ -136,6 +136,16 @@ def test_the_cards_own_version_is_the_last_resort(master: CardHost) -> None:
     assert master.runs == "2"
 
 
+@pytest.mark.parametrize("content", ["", '{"Image": "webserver:x-2", "Env": [1]}'])
+def test_a_version_that_is_damaged_on_the_card_is_left(content: str, master: CardHost) -> None:
+    give(master, "2")
+    master.start()
+    (master.store.served.parent / "versions/2/master/containers/web.json").write_text(content)
+    master.start()
+    assert master.runs == "1"
+    assert "web.json describes no container" in master.told[0]
+
+
 def test_an_archive_that_is_broken_stays_where_it_is_and_changes_nothing(master: CardHost) -> None:
     path = give(master, "2")
     content = path.read_bytes()
