@@ -8,7 +8,7 @@ from typing import Any, BinaryIO, Protocol
 
 class Engine(Protocol):
     def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
-        """The status and what the answer says. `body`: what becomes JSON, or a file."""
+        """The status and what the answer says. `body`: what becomes JSON, or a file. OSError if it is away."""
 
 
 class EngineError(Exception):
@@ -39,7 +39,10 @@ class Socket:
         connection = HTTPConnection("engine")
         connection.sock = socket.socket(socket.AF_UNIX)
         try:
-            connection.sock.connect(self._path)
+            try:
+                connection.sock.connect(self._path)
+            except OSError as error:
+                raise ConnectionError(f"the engine does not answer: {error.strerror}") from None
             content: bytes | BinaryIO | None = body
             kind = "application/x-tar"
             if isinstance(body, dict):

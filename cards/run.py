@@ -37,8 +37,27 @@ def main() -> int:
     parser.add_argument("--boot", type=Path, default=Path("/boot/firmware"), help="the card's first partition")
     arguments = parser.parse_args()
     card, _ = read(arguments.boot, own_role())
-    settle(Socket(ENGINE), Store(STATE, HERE), card, socket.gethostname(), tell=partial(tell, arguments.boot))
-    return 0
+    return run(Socket(ENGINE), Store(STATE, HERE), card, socket.gethostname(), tell=partial(tell, arguments.boot))
+
+
+def run(
+    engine: Engine,
+    store: Store,
+    card: Card,
+    host: str,
+    *,
+    tell: Callable[[str, str], None],
+    tried: Callable[[Engine, Collection[str], Collection[str]], bool] = trial.run,
+) -> int:
+    """The program's exit code: 1 if it has to be tried again. `tell` is told each topic and its problem, or that there
+    is none any more."""
+    topic, problem = "the game cannot be started", ""
+    try:
+        settle(engine, store, card, host, tell=tell, tried=tried)
+    except (EngineError, OSError, ValueError) as error:
+        problem = str(error)
+    tell(topic, problem)
+    return 1 if problem else 0
 
 
 def settle(
@@ -47,33 +66,36 @@ def settle(
     card: Card,
     host: str,
     *,
-    tell: Callable[[str], None],
-    tried: Callable[[Engine, Collection[str], Collection[str]], bool] = trial.run,
+    tell: Callable[[str, str], None],
+    tried: Callable[[Engine, Collection[str], Collection[str]], bool],
 ) -> None:
     """Run the version that is wished or, if it does not run, the next best, and serve it to the robots.
 
-    EngineError if not even the card's own runs.
+    EngineError or ValueError if not even the card's own runs; OSError if the engine is away.
     """
     state, back = store.state(), card.version == PREVIOUS
     versions = candidates(state, back, store.stored(), store.own)
     for version in versions:
+        topic = f"version {version} does not run here, the one before runs again"
         try:
             wanted = containers(card, host, store.described(version))
             # a robot's health hangs on its master and its Arduino: it says nothing of a version
             were_healthy = trial.healthy(engine, wanted) if card.role == "master" else set()
             arrange(engine, wanted, store.image(version))
             if version != state.trial:
+                tell(topic, "")
                 break
             if tried(engine, wanted, were_healthy):
                 state = proven(state)
                 store.remember(state)
+                tell(topic, "")
                 break
             reason = "its containers do not stay up"
         except (EngineError, ValueError) as error:
             if version == versions[-1]:
                 raise
             reason = str(error)
-        tell(f"version {version} does not run here, the one before runs again: {reason}")
+        tell(topic, reason)
         if version == state.trial:
             state = failed(state)
             store.remember(state)

@@ -89,15 +89,23 @@ def put(path: Path, file: File) -> None:
     new.replace(path)
 
 
-def tell(boot: Path, text: str) -> None:
-    """Add a line to what is wrong."""
-    print(text, file=sys.stderr)
+def tell(boot: Path, topic: str, problem: str) -> None:
+    """Let one line say what is wrong with the topic, or none without a problem. What is there stays."""
     path = boot / ERRORS
+    line = " ".join(f"{topic}: {problem}".split())
     try:
-        known = path.read_bytes() if path.exists() else b""
-        path.write_bytes(known + f"{text}\r\n".encode())
-    except OSError as error:
-        print(f"{path}: cannot be written: {error.strerror}", file=sys.stderr)
+        known = path.read_text().splitlines() if path.exists() else []
+        if problem and line in known:
+            return
+        lines = [other for other in known if not other.startswith(f"{topic}: ")] + ([line] if problem else [])
+        if not lines:
+            path.unlink(missing_ok=True)
+        elif lines != known:
+            path.write_bytes("".join(f"{other}\r\n" for other in lines).encode())
+    except (OSError, ValueError) as error:
+        print(f"{path}: cannot be written: {error}", file=sys.stderr)
+    if problem:
+        print(line, file=sys.stderr)
 
 
 def _tell(path: Path, mistakes: list[Mistake]) -> None:

@@ -47,9 +47,9 @@ def update(boot: Path, store: Store, card: Card, engine: Engine) -> None:
                 raise ValueError("is not for a host to which Ansible has deployed: take update.yml")
             _take(path, store, card.version == PREVIOUS)
         except ValueError as error:
-            tell(boot, f"{shown(path.name)}: {error}")
+            tell(boot, shown(path.name), str(error))
         except OSError as error:
-            tell(boot, f"{shown(path.name)}: cannot be taken: {error.strerror}")
+            tell(boot, shown(path.name), f"cannot be taken: {error.strerror or error}")
 
 
 def _take(path: Path, store: Store, back: bool) -> None:

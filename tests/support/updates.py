@@ -14,7 +14,8 @@ import pytest
 
 from cards import archive, trial
 from cards.laserbot_txt import Card
-from cards.run import settle
+from cards.run import run
+from cards.start import ERRORS, tell
 from cards.store import Store
 from cards.update import update
 from tests.support.card_engine import CardEngine
@@ -65,7 +66,6 @@ class CardHost:
         self._folder = folder
         self.role = role
         self.engine = CardEngine()
-        self.told: list[str] = []
         self.store = Store(folder / "state", folder / "card")
 
     def copy(self, folder: Path) -> "CardHost":
@@ -83,7 +83,13 @@ class CardHost:
     def settle(self, card: Card) -> None:
         clock = FakeClock()
         tried = partial(trial.run, clock=lambda: clock.now, rest=clock.rest)
-        settle(self.engine, self.store, card, "host", tell=self.told.append, tried=tried)
+        run(self.engine, self.store, card, "host", tell=partial(tell, self.boot), tried=tried)
+
+    @property
+    def told(self) -> list[str]:
+        """In the file for people."""
+        path = self.boot / ERRORS
+        return path.read_text().splitlines() if path.exists() else []
 
     @property
     def runs(self) -> str:

@@ -106,10 +106,23 @@ def test_mistakes_are_told_beside_the_file_until_they_are_gone(
 def test_what_is_wrong_later_is_told_below(boot: Path, root: Path) -> None:
     (boot / "laserbot.txt").write_text("role = both\n")
     start(boot, root, "robot")
-    tell(boot, "laserbot-2.update: is broken")
+    tell(boot, "laserbot-2.update", "is broken")
     lines = ["laserbot.txt, line 1: role = both: must be robot or master", "laserbot-2.update: is broken", ""]
     assert (boot / ERRORS).read_bytes() == "\r\n".join(lines).encode()
-    tell(boot / "no partition", "it is on the screen all the same")
+    tell(boot / "no partition", "the game", "is told on the screen all the same")
+
+
+def test_a_problem_is_told_once_until_it_changes_or_ends(boot: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for problem in ("no engine", "no engine", "no\n room", "no engine"):
+        tell(boot, "the update", "is broken")
+        tell(boot, "the game", problem)
+    assert (boot / ERRORS).read_text().splitlines() == ["the update: is broken", "the game: no engine"]
+    screen = ["the update: is broken", "the game: no engine", "the game: no room", "the game: no engine"]
+    assert capsys.readouterr().err.splitlines() == screen
+    tell(boot, "the game", "")
+    assert (boot / ERRORS).read_bytes() == b"the update: is broken\r\n"
+    tell(boot, "the update", "")
+    assert not (boot / ERRORS).exists()
 
 
 def test_a_robots_card_is_no_master_and_says_so(boot: Path, root: Path) -> None:

@@ -1,6 +1,7 @@
 """A card and its versions of the game: an update is taken, tried, and left again, whenever the power goes."""
 
 import os
+from functools import partial
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
@@ -9,6 +10,10 @@ from typing import Any
 import pytest
 
 from cards.archive import manifest_of
+from cards.engine import Socket
+from cards.laserbot_txt import Card
+from cards.run import run
+from cards.start import tell
 from cards.versions import State
 from tests.support.updates import CardHost, Cut, image, power, write_update
 
@@ -24,11 +29,6 @@ def give(host: CardHost, version: str) -> Path:
     path = host.boot / f"laserbot-{version}.update"
     write_update(path, version)
     return path
-
-
-def errors(host: CardHost) -> list[str]:
-    path = host.boot / "laserbot-errors.txt"
-    return path.read_text().splitlines() if path.exists() else []
 
 
 def is_whole(host: CardHost, version: str) -> bool:
@@ -136,6 +136,33 @@ def test_the_cards_own_version_is_the_last_resort(master: CardHost) -> None:
     assert master.runs == "2"
 
 
+def test_an_engine_that_fails_is_told_once_until_it_works(master: CardHost) -> None:
+    """The unit starts the program again every 10 s."""
+    give(master, "2")
+    master.start()
+    master.engine.containers.clear()
+    master.engine.images.clear()
+    master.engine.unreadable |= {image("master", "1"), image("master", "2")}
+    for _ in range(3):
+        master.settle(Card(role="master"))
+    assert [line.partition(":")[0] for line in master.told] == [
+        "version 2 does not run here, the one before runs again",
+        "the game cannot be started",
+    ]
+    master.engine.unreadable.clear()
+    master.settle(Card(role="master"))
+    assert master.runs == "2"
+    assert not master.told
+
+
+def test_an_engine_that_is_away_is_told_in_one_line(tmp_path: Path) -> None:
+    host = CardHost(tmp_path, "master")
+    assert run(
+        Socket(str(tmp_path / "no.sock")), host.store, Card(role="master"), "host", tell=partial(tell, host.boot)
+    )
+    assert host.told == ["the game cannot be started: the engine does not answer: No such file or directory"]
+
+
 @pytest.mark.parametrize("content", ["", '{"Image": "webserver:x-2", "Env": [1]}'])
 def test_a_version_that_is_damaged_on_the_card_is_left(content: str, master: CardHost) -> None:
     give(master, "2")
@@ -153,7 +180,7 @@ def test_an_archive_that_is_broken_stays_where_it_is_and_changes_nothing(master:
     before = sorted(path for path in master.store.served.parent.rglob("*"))
     master.engine.changes.clear()
     master.start()
-    assert errors(master) == ["laserbot-2.update: ends too early: copy it again"]
+    assert master.told == ["laserbot-2.update: ends too early: copy it again"]
     assert path.stat().st_size == 5000
     assert sorted(path for path in master.store.served.parent.rglob("*") if path.name != "versions") == before
     assert not master.engine.changes
@@ -167,7 +194,7 @@ def test_an_archive_for_which_there_is_no_room_is_told(master: CardHost, monkeyp
     with monkeypatch.context() as patch:
         patch.setattr("cards.store.ROOM", 1 << 50)
         master.start()
-    assert "MiB on the card, which has" in errors(master)[0]
+    assert "MiB on the card, which has" in master.told[0]
     assert path.exists()
     assert master.runs == "1"
 
@@ -176,9 +203,7 @@ def test_of_several_archives_none_is_taken(master: CardHost) -> None:
     for version in "32":
         give(master, version)
     master.start()
-    assert errors(master) == [
-        f"laserbot-{version}.update: is not the only one: leave one on the card" for version in "23"
-    ]
+    assert master.told == [f"laserbot-{version}.update: is not the only one: leave one on the card" for version in "23"]
     assert master.runs == "1"
 
 
@@ -187,14 +212,14 @@ def test_a_macs_shadow_of_an_archive_is_none_and_capital_letters_do_not_matter(m
     (master.boot / "._laserbot-2.update").write_bytes(b"\0\5\26\7")
     master.start()
     assert master.runs == "2"
-    assert not errors(master)
+    assert not master.told
 
 
 def test_a_robots_card_takes_none(tmp_path: Path) -> None:
     robot = CardHost(tmp_path / "robot", "robot")
     give(robot, "2")
     robot.start()
-    assert errors(robot) == ["laserbot-2.update: is for the master's card, from which the robots get it"]
+    assert robot.told == ["laserbot-2.update: is for the master's card, from which the robots get it"]
     assert robot.runs == "1"
 
 
@@ -204,7 +229,7 @@ def test_a_host_to_which_ansible_has_deployed_takes_none(master: CardHost) -> No
     give(master, "2")
     master.engine.changes.clear()
     master.start()
-    assert errors(master) == ["laserbot-2.update: is not for a host to which Ansible has deployed: take update.yml"]
+    assert master.told == ["laserbot-2.update: is not for a host to which Ansible has deployed: take update.yml"]
     assert not master.engine.changes
 
 
@@ -220,7 +245,7 @@ def test_the_same_archive_again_changes_nothing_and_another_of_that_version_is_r
     path = give(master, "3")
     path.write_bytes(path.read_bytes().replace(b'"version": "3"', b'"version": "2"'))
     master.start()
-    assert errors(master) == ["laserbot-3.update: is another 2 than the one that is here already"]
+    assert master.told == ["laserbot-3.update: is another 2 than the one that is here already"]
 
 
 def test_an_archive_of_the_cards_own_version_brings_it_to_the_robots(master: CardHost) -> None:
