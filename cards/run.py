@@ -4,8 +4,8 @@ version of the game.
     python3 -m cards.run [--boot FOLDER]
 
 The engine starts again by itself what it has. It lacks them at the first start, after the state was made anew, and
-when laserbot.txt has changed. A version that is new here has to show that it runs; if it does not, the one before runs
-again.
+when laserbot.txt has changed. A version that is new here has to show that it runs; if it does not, the next best is
+run instead.
 """
 
 import argparse
@@ -14,6 +14,7 @@ import sys
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
 from functools import partial
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -75,27 +76,31 @@ def settle(
     """
     state, back = store.state(), card.version == PREVIOUS
     versions = candidates(state, back, store.stored(), store.own)
-    for version in versions:
-        topic = f"version {version} does not run here, the one before runs again"
+    for version, other in zip_longest(versions, versions[1:]):
+        topic = f"version {version} does not run here"
         try:
             wanted = containers(card, host, store.described(version))
+            stopped = trial.stopped(engine, wanted)
             # a robot's health hangs on its master and its Arduino: it says nothing of a version
             were_healthy = trial.healthy(engine, wanted) if card.role == "master" else set()
             arrange(engine, wanted, store.image(version))
+            # what a person has stopped says nothing of a version, unless that is all, and it runs again
+            judged = set(wanted) - stopped or set(wanted) - trial.stopped(engine, wanted)
             if version != state.trial:
                 tell(topic, "")
                 break
-            if tried(engine, wanted, were_healthy):
+            if tried(engine, judged, were_healthy):
                 state = proven(state)
                 store.remember(state)
                 tell(topic, "")
                 break
             reason = "its containers do not stay up"
         except (EngineError, ValueError) as error:
-            if version == versions[-1]:
+            if other is None:
                 raise
             reason = str(error)
-        tell(topic, reason)
+        made = ", with which the card was made," if other == store.own else ""
+        tell(topic, f"{reason}; version {other}{made} is run instead" if other else reason)
         if version == state.trial:
             state = failed(state)
             store.remember(state)

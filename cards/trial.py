@@ -18,6 +18,16 @@ def healthy(engine: Engine, names: Collection[str]) -> set[str]:
     }
 
 
+def stopped(engine: Engine, names: Collection[str]) -> set[str]:
+    """Those of the containers that a person has stopped. Others that end, the engine starts again, or says why not."""
+    found = {name: inspect(engine, name) for name in names}
+    return {
+        name
+        for name, one in found.items()
+        if one and one["State"]["Status"] == "exited" and not one["State"].get("Error")
+    }
+
+
 def run(
     engine: Engine,
     names: Collection[str],

@@ -10,8 +10,9 @@ class CardEngine:
         self.images: set[str] = set()
         self.containers: dict[str, Any] = {}
         self.changes: list[str] = []
-        self.ill: set[str] = set()  # images whose containers are never healthy
-        self.restless: set[str] = set()  # images whose containers end and start again all the time
+        # these containers, or all of these images
+        self.ill: set[str] = set()  # are never healthy
+        self.restless: set[str] = set()  # end and start again all the time
         self.unreadable: set[str] = set()  # images whose archives the engine refuses
         self._starts = 0
 
@@ -50,7 +51,7 @@ class CardEngine:
                 found = self.containers.items()
                 return 200, [{"Names": [f"/{name}"], "Labels": one["Config"]["Labels"]} for name, one in found]
             case "GET", [name, "json"]:
-                return (200, self._told(self.containers[name])) if name in self.containers else (404, {})
+                return (200, self._told(name, self.containers[name])) if name in self.containers else (404, {})
             case "POST", ["create"]:
                 if body["Image"] not in self.images:
                     return 404, {"message": "no such image"}
@@ -64,11 +65,11 @@ class CardEngine:
                 raise AssertionError(other)
         return 200, {}
 
-    def _told(self, container: Any) -> Any:
-        image, state = container["Config"].get("Image"), container["State"]
-        if image in self.restless:
+    def _told(self, name: str, container: Any) -> Any:
+        names, state = {name, container["Config"].get("Image")}, container["State"]
+        if names & self.restless:
             self._starts += 1
             state["StartedAt"] = self._starts
         is_running = state["Status"] == "running"
-        health = {"Status": "healthy" if is_running and image not in self.ill else "unhealthy"}
+        health = {"Status": "healthy" if is_running and not names & self.ill else "unhealthy"}
         return {**container, "State": {"StartedAt": 0, **state, "Running": is_running, "Health": health}}

@@ -104,7 +104,8 @@ def test_a_version_that_does_not_run_is_left_again_and_told(fault: str, master: 
     master.start()
     assert master.runs == "1"
     [told] = master.told
-    assert told.startswith("version 2 does not run here, the one before runs again: ")
+    assert told.startswith("version 2 does not run here: ")
+    assert told.endswith("; version 1, with which the card was made, is run instead")
     assert (master.store.stored(), master.serves.version) == (set(), "1")
     assert master.engine.images == {image("master", "1")}
     # a person may try it again
@@ -120,6 +121,48 @@ def test_what_was_not_healthy_before_need_not_be_so_with_another_version(master:
     give(master, "2")
     master.start()
     assert master.runs == "2"
+
+
+def test_it_is_told_which_version_runs_instead(master: CardHost) -> None:
+    for version in "23":
+        give(master, version)
+        master.engine.restless = {image("master", "3")}
+        master.start()
+    assert master.told == ["version 3 does not run here: its containers do not stay up; version 2 is run instead"]
+    assert master.runs == "2"
+
+
+def stop(host: CardHost, *names: str) -> None:
+    """As a person does."""
+    for name in names:
+        host.engine.containers[name]["State"]["Status"] = "exited"
+
+
+def test_a_container_that_a_person_has_stopped_says_nothing_of_a_version(master: CardHost) -> None:
+    stop(master, "laserbot-announcer")
+    give(master, "2")
+    master.engine.restless.add("laserbot-announcer")
+    master.start()
+    assert not master.told
+    assert master.store.state() == State("2", "1")
+
+
+def test_if_a_person_has_stopped_all_they_have_to_stay_up_nevertheless(master: CardHost) -> None:
+    stop(master, "laserbot-announcer", "laserbot-web")
+    give(master, "3")
+    master.engine.restless.add("laserbot-announcer")
+    master.start()
+    assert master.runs == "1"
+
+
+def test_what_is_the_same_in_the_new_version_and_stopped_stays_so(master: CardHost) -> None:
+    """As all of a robot's containers, when only the master's have changed."""
+    stop(master, "laserbot-announcer", "laserbot-web")
+    give(master, "1+x")
+    master.start()
+    assert not master.told
+    assert master.store.state() == State("1+x", "1")
+    assert {one["State"]["Status"] for one in master.engine.containers.values()} == {"exited"}
 
 
 def test_the_cards_own_version_is_the_last_resort(master: CardHost) -> None:
@@ -146,7 +189,7 @@ def test_an_engine_that_fails_is_told_once_until_it_works(master: CardHost) -> N
     for _ in range(3):
         master.settle(Card(role="master"))
     assert [line.partition(":")[0] for line in master.told] == [
-        "version 2 does not run here, the one before runs again",
+        "version 2 does not run here",
         "the game cannot be started",
     ]
     master.engine.unreadable.clear()
