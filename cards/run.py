@@ -32,6 +32,8 @@ HERE = Path(__file__).resolve().parents[1]
 STATE = Path("/var/lib/laserbot-card")
 ENGINE = "/run/docker.sock"
 
+Steady = Callable[[Engine, Collection[str], Collection[str]], set[str]]  # as trial.steady
+
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -48,13 +50,13 @@ def run(
     host: str,
     *,
     tell: Callable[[str, str], None],
-    tried: Callable[[Engine, Collection[str], Collection[str]], bool] = trial.run,
+    steady: Steady = trial.steady,
 ) -> int:
     """The program's exit code: 1 if it has to be tried again. `tell` is told each topic and its problem, or that there
     is none any more."""
     topic, problem = "the game cannot be started", ""
     try:
-        settle(engine, store, card, host, tell=tell, tried=tried)
+        settle(engine, store, card, host, tell=tell, steady=steady)
     except (EngineError, OSError, ValueError) as error:
         problem = str(error)
     tell(topic, problem)
@@ -68,7 +70,7 @@ def settle(
     host: str,
     *,
     tell: Callable[[str, str], None],
-    tried: Callable[[Engine, Collection[str], Collection[str]], bool],
+    steady: Steady,
 ) -> None:
     """Run the version that is wished or, if it does not run, the next best, and serve it to the robots.
 
@@ -81,20 +83,17 @@ def settle(
         try:
             wanted = containers(card, host, store.described(version))
             stopped = trial.stopped(engine, wanted)
-            # a robot's health hangs on its master and its Arduino: it says nothing of a version
-            were_healthy = trial.healthy(engine, wanted) if card.role == "master" else set()
             arrange(engine, wanted, store.image(version))
-            # what a person has stopped says nothing of a version, unless that is all, and it runs again
-            judged = set(wanted) - stopped or set(wanted) - trial.stopped(engine, wanted)
-            if version != state.trial:
+            failing = set()
+            if version == state.trial:
+                failing = _failing(engine, store, card, wanted, stopped=stopped, steady=steady)
+            if not failing:
+                if version == state.trial:
+                    state = proven(state)
+                    store.remember(state)
                 tell(topic, "")
                 break
-            if tried(engine, judged, were_healthy):
-                state = proven(state)
-                store.remember(state)
-                tell(topic, "")
-                break
-            reason = "its containers do not stay up"
+            reason = f"these do not stay up, or are not healthy: {', '.join(sorted(failing))}"
         except (EngineError, ValueError) as error:
             if other is None:
                 raise
@@ -108,6 +107,21 @@ def settle(
     _tidy_images(engine, store, {*kept(state), version})
     if card.role == "master" and version == (state.previous if back else state.current):
         store.serve(version, card.arena or MASTER_HOST)
+    if card.role == "master":  # for the next trial; after a start of the host, it would be too early to look
+        running = set(wanted) - trial.stopped(engine, wanted)
+        store.remember_healthy(steady(engine, running, running))
+
+
+def _failing(
+    engine: Engine, store: Store, card: Card, wanted: Collection[str], *, stopped: Collection[str], steady: Steady
+) -> set[str]:
+    """Those of the containers of a version on trial that do not run well; `stopped` were so by a person before."""
+    # they say nothing of a version, unless they are all, and it has changed them: then they run again
+    judged = {*wanted} - {*stopped} or {*wanted} - trial.stopped(engine, wanted)
+    if card.role == "robot":  # its health hangs on its master and its Arduino
+        return judged - steady(engine, judged, ())
+    # as many as with the version before; if it is not known of any, all
+    return judged - steady(engine, judged, judged & store.healthy() or judged)
 
 
 def arrange(engine: Engine, wanted: Mapping[str, Container], image: Path) -> None:

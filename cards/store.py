@@ -21,6 +21,7 @@ from cards.start import put
 from cards.versions import State, kept
 
 ROOM = 5  # times its size is what a version takes, with its images in the engine
+_HEALTHY = "healthy.json"
 # in versions/, where no version begins with a dot
 _NEW, _OLD = ".new", ".old"
 
@@ -48,6 +49,18 @@ class Store:
     def remember(self, state: State) -> None:
         """It outlasts the power."""
         put(self._folder / "state.json", File(json.dumps(asdict(state)) + "\n"))
+        _sync(self._folder)
+
+    def healthy(self) -> set[str]:
+        """The containers that were so with the version that ran last; none if nothing is known."""
+        try:
+            return set(json.loads((self._folder / _HEALTHY).read_bytes()))
+        except (OSError, ValueError, TypeError):
+            return set()
+
+    def remember_healthy(self, names: set[str]) -> None:
+        """It outlasts the power."""
+        put(self._folder / _HEALTHY, File(json.dumps(sorted(names)) + "\n"))
         _sync(self._folder)
 
     def stored(self) -> set[str]:

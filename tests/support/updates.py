@@ -83,8 +83,8 @@ class CardHost:
 
     def settle(self, card: Card) -> None:
         clock = FakeClock()
-        tried = partial(trial.run, clock=lambda: clock.now, rest=clock.rest)
-        run(self.engine, self.store, card, "host", tell=partial(tell, self.boot), tried=tried)
+        steady = partial(trial.steady, clock=lambda: clock.now, rest=clock.rest)
+        run(self.engine, self.store, card, "host", tell=partial(tell, self.boot), steady=steady)
 
     @property
     def told(self) -> list[str]:

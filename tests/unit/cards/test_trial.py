@@ -1,11 +1,11 @@
-"""Whether a version that is new on a card runs."""
+"""Which of a card's containers run well."""
 
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
-from cards.trial import LIMIT, STEADY, run
+from cards.trial import LIMIT, STEADY, steady
 
 Look = dict[str, Any]
 
@@ -14,7 +14,7 @@ def look(health: str = "healthy", started: float = 1, running: bool = True) -> L
     return {"State": {"Running": running, "StartedAt": started, "Health": {"Status": health}}}
 
 
-def tried(at: Callable[[float], Look | None], were_healthy: bool = True) -> tuple[bool, float]:
+def tried(at: Callable[[float], Look | None], to_be_healthy: bool = True) -> tuple[bool, float]:
     """Whether it runs, and after how many s that is known. `at`: what the engine says then of its container."""
     now = 0.0
 
@@ -27,7 +27,9 @@ def tried(at: Callable[[float], Look | None], were_healthy: bool = True) -> tupl
         nonlocal now
         now += seconds
 
-    return run(Engine(), ["robot"], ["robot"] if were_healthy else [], lambda: now, rest), now
+    found = steady(Engine(), ["robot"], ["robot"] if to_be_healthy else [], lambda: now, rest)
+    assert found <= {"robot"}
+    return bool(found), now
 
 
 @pytest.mark.parametrize(
@@ -51,11 +53,27 @@ def test_it_runs_when_it_was_healthy_for_a_while(at: Callable[[float], Look | No
 
 
 def test_what_was_not_healthy_before_has_only_to_stay_up() -> None:
-    assert tried(lambda now: look("unhealthy"), were_healthy=False)[0]
-    assert not tried(lambda now: look("unhealthy", started=now // 20), were_healthy=False)[0]
+    assert tried(lambda now: look("unhealthy"), to_be_healthy=False)[0]
+    assert not tried(lambda now: look("unhealthy", started=now // 20), to_be_healthy=False)[0]
 
 
 def test_one_without_a_health_check_is_never_healthy() -> None:
     at = {"State": {"Running": True, "StartedAt": 1}}
-    assert tried(lambda now: at, were_healthy=False)[0]
+    assert tried(lambda now: at, to_be_healthy=False)[0]
     assert not tried(lambda now: at)[0]
+
+
+def test_those_that_run_well_are_told_from_the_others() -> None:
+    now = 0.0
+
+    class Engine:
+        def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
+            return 200, look("unhealthy" if "bots" in path else "healthy", started=now if "web" in path else 1)
+
+    def rest(seconds: float) -> None:
+        nonlocal now
+        now += seconds
+
+    names = {"web", "bots", "front"}
+    assert steady(Engine(), names, names, lambda: now, rest) == {"front"}
+    assert steady(Engine(), names, {"web"}, lambda: now, rest) == {"bots", "front"}

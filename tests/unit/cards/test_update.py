@@ -116,11 +116,45 @@ def test_a_version_that_does_not_run_is_left_again_and_told(fault: str, master: 
 
 
 def test_what_was_not_healthy_before_need_not_be_so_with_another_version(master: CardHost) -> None:
-    """As a robot without its Arduino: nobody knows whose fault it is."""
-    master.engine.ill |= {image("master", "1"), image("master", "2")}
+    master.engine.ill.add("laserbot-announcer")
+    master.start()
     give(master, "2")
     master.start()
     assert master.runs == "2"
+
+
+def test_what_is_not_healthy_yet_when_the_card_starts_was_so_before(master: CardHost) -> None:
+    master.engine.ill |= {image("master", "1"), "laserbot-web"}
+    give(master, "2")
+    master.start()
+    assert master.runs == "1"
+    assert master.told == [
+        "version 2 does not run here: these do not stay up, or are not healthy: laserbot-web; "
+        "version 1, with which the card was made, is run instead"
+    ]
+
+
+def test_what_a_new_version_does_not_have_is_not_waited_for(master: CardHost) -> None:
+    for version in "23":
+        give(master, version)
+        master.start()
+    assert "laserbot-of-2" not in master.engine.containers
+    assert master.runs == "3"
+
+
+@pytest.mark.parametrize("memory", [None, "", "[]", "5", '["laserbot-of-2"]'])
+@pytest.mark.parametrize("ill, runs", [((), "3"), (("laserbot-announcer",), "1")])
+def test_if_it_is_not_known_what_was_healthy_all_has_to_be(
+    ill: tuple[str, ...], runs: str, memory: str | None, tmp_path: Path
+) -> None:
+    host = CardHost(tmp_path, "master")
+    if memory is not None:
+        host.start()
+        (host.store.served.parent / "healthy.json").write_text(memory)
+    host.engine.ill |= {*ill}
+    give(host, "3")
+    host.start()
+    assert host.runs == runs
 
 
 def test_it_is_told_which_version_runs_instead(master: CardHost) -> None:
@@ -128,7 +162,10 @@ def test_it_is_told_which_version_runs_instead(master: CardHost) -> None:
         give(master, version)
         master.engine.restless = {image("master", "3")}
         master.start()
-    assert master.told == ["version 3 does not run here: its containers do not stay up; version 2 is run instead"]
+    assert master.told == [
+        "version 3 does not run here: these do not stay up, or are not healthy: laserbot-announcer, laserbot-web; "
+        "version 2 is run instead"
+    ]
     assert master.runs == "2"
 
 
@@ -331,17 +368,17 @@ def test_the_archive_goes_when_all_of_it_would_outlast_the_power(
     assert not path.exists()
 
 
-@pytest.mark.parametrize("ends", ["4", "3"])
+@pytest.mark.parametrize("ends, fault", [("4", ""), ("3", "restless"), ("3", "ill")])
 def test_the_power_may_go_at_any_step(
-    ends: str, master: CardHost, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ends: str, fault: str, master: CardHost, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """At each there is a whole version on the card, and the new one in one of two places; in the end it runs or, if it
     does not run here, the one before does."""
     for version in "23":
         give(master, version)
         master.start()
-    if ends == "3":
-        master.engine.restless.add(image("master", "4"))
+    if fault:
+        getattr(master.engine, fault).add(image("master", "4"))
     give(master, "4")
     for steps in count():
         host = master.copy(tmp_path / str(steps))
