@@ -2,13 +2,15 @@
 
 import json
 import socket
-from http.client import HTTPConnection
+from contextlib import closing, suppress
+from http.client import HTTPConnection, HTTPException
 from typing import Any, BinaryIO, Protocol
 
 
 class Engine(Protocol):
     def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
-        """The status and what the answer says. `body`: what becomes JSON, or a file. OSError if it is away."""
+        """The status and what the answer says. `body`: what becomes JSON, or a file. OSError if the engine is away,
+        EngineError if it gives no whole answer, or the file cannot be read."""
 
 
 class EngineError(Exception):
@@ -38,20 +40,22 @@ class Socket:
     def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
         connection = HTTPConnection("engine")
         connection.sock = socket.socket(socket.AF_UNIX)
-        try:
+        content: bytes | BinaryIO | None = body
+        kind = "application/x-tar"
+        if isinstance(body, dict):
+            content, kind = json.dumps(body).encode(), "application/json"
+        with closing(connection):
             try:
                 connection.sock.connect(self._path)
             except OSError as error:
                 raise ConnectionError(f"the engine does not answer: {error.strerror}") from None
-            content: bytes | BinaryIO | None = body
-            kind = "application/x-tar"
-            if isinstance(body, dict):
-                content, kind = json.dumps(body).encode(), "application/json"
-            connection.request(method, path, content, {"Content-Type": kind} if content else {})
-            response = connection.getresponse()
-            text = response.read().decode()
-        finally:
-            connection.close()
+            try:
+                with suppress(ConnectionError):  # it refuses an image before it has read all of it
+                    connection.request(method, path, content, {"Content-Type": kind} if content else {})
+                response = connection.getresponse()
+                text = response.read().decode()
+            except (OSError, HTTPException) as error:
+                raise EngineError(f"{method} {path} breaks off: {error}") from None
         try:
             return response.status, json.loads(text)
         except ValueError:  # nothing, or a line for each part of an image

@@ -160,7 +160,11 @@ def _label(found: Any) -> str | None:
 def _start(engine: Engine, name: str, container: Container, image: Path) -> None:
     if engine.ask("GET", f"/images/{container['Image']}/json")[0] != 200:
         print("loading the image", file=sys.stderr)
-        with image.open("rb") as archive:
+        try:
+            archive = image.open("rb")
+        except OSError as error:
+            raise ValueError(f"{image.name} cannot be read: {error.strerror}") from None
+        with archive:
             do(engine, "POST", "/images/load?quiet=1", archive)
     do(engine, "POST", f"/containers/create?name={name}", container)
     do(engine, "POST", f"/containers/{name}/start")

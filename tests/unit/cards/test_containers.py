@@ -124,3 +124,9 @@ def test_what_the_engine_refuses_is_told(image: Path) -> None:
     image.write_text("another:1")
     with pytest.raises(EngineError, match=r"POST /containers/create.*no such image"):
         arrange(CardEngine(), wanted(), image)
+
+
+def test_an_image_that_cannot_be_read_is_told(image: Path) -> None:
+    image.unlink()
+    with pytest.raises(ValueError, match=r"image\.tar cannot be read: No such file"):
+        arrange(CardEngine(), wanted(), image)
