@@ -72,7 +72,7 @@ def put(path: Path, file: File) -> None:
     if file.link:
         if path.is_symlink() and os.readlink(path) == file.content:
             return
-    elif path.is_file() and not path.is_symlink() and path.read_text() == file.content:
+    elif path.is_file() and not path.is_symlink() and path.read_bytes() == file.content.encode():
         return
     path.parent.mkdir(parents=True, exist_ok=True)
     new = path.with_name(f"{path.name}.new")

@@ -82,11 +82,11 @@ class Store:
     def add(self, manifest: Manifest, fill: Callable[[Path], None]) -> None:
         """Store a version: `fill` writes its files into a folder. ValueError if there is no room for it."""
         self._versions.mkdir(parents=True, exist_ok=True)
+        new = self._versions / _NEW
+        shutil.rmtree(new, ignore_errors=True)
         free = shutil.disk_usage(self._versions).free
         if free < ROOM * manifest.size:
             raise ValueError(f"needs {ROOM * manifest.size >> 20} MiB on the card, which has {free >> 20}")
-        new = self._versions / _NEW
-        shutil.rmtree(new, ignore_errors=True)
         try:
             new.mkdir()
             fill(new)

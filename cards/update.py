@@ -13,7 +13,7 @@ from pathlib import Path
 
 from cards.archive import manifest_of, unpack
 from cards.containers import containers
-from cards.engine import Engine, Socket
+from cards.engine import Engine, EngineError, Socket
 from cards.laserbot_txt import Card
 from cards.run import ENGINE, HERE, STATE, is_deployed_to
 from cards.start import own_role, read, tell
@@ -36,7 +36,8 @@ def main() -> int:
 
 def update(boot: Path, store: Store, card: Card, engine: Engine) -> None:
     # a Mac leaves files like ._laserbot.update beside those that it copies
-    found = [path for path in boot.iterdir() if path.suffix.lower() == SUFFIX and not path.name.startswith(".")]
+    there = list(boot.iterdir()) if boot.is_dir() else []
+    found = [path for path in there if path.suffix.lower() == SUFFIX and not path.name.startswith(".")]
     for path in sorted(found):
         try:
             if card.role != "master":
@@ -46,7 +47,9 @@ def update(boot: Path, store: Store, card: Card, engine: Engine) -> None:
             if is_deployed_to(engine, containers(card, "", store.described(store.own))):
                 raise ValueError("is not for a host to which Ansible has deployed: take update.yml")
             _take(path, store, card.version == PREVIOUS)
-        except ValueError as error:
+            if card.version == PREVIOUS:
+                tell(boot, shown(path.name), "is taken, and runs once laserbot.txt no longer says version = previous")
+        except (EngineError, ValueError) as error:
             tell(boot, shown(path.name), str(error))
         except OSError as error:
             tell(boot, shown(path.name), f"cannot be taken: {error.strerror or error}")
@@ -61,7 +64,7 @@ def _take(path: Path, store: Store, back: bool) -> None:
         raise ValueError(f"is another {manifest.version} than the one that is here already")
     store.remember(taken(store.state(), manifest.version, back))
     path.unlink()
-    print(f"{path.name}: taken{', but laserbot.txt says version = previous' if back else ''}", file=sys.stderr)
+    print(f"{path.name}: taken", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,18 @@
 """A card and its versions of the game: an update is taken, tried, and left again, whenever the power goes."""
 
 import os
+import shutil
 from functools import partial
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
 from typing import Any
+from unittest.mock import Mock
 
 import pytest
 
 from cards.archive import manifest_of
-from cards.engine import Socket
+from cards.engine import EngineError, Socket
 from cards.laserbot_txt import Card
 from cards.run import run
 from cards.start import tell
@@ -90,6 +92,7 @@ def test_an_update_that_comes_while_the_line_says_back_waits_for_the_line(master
     give(master, "4")
     master.start(version="previous")
     assert master.runs == "2"
+    assert master.told == ["laserbot-4.update: is taken, and runs once laserbot.txt no longer says version = previous"]
     master.start()
     assert master.runs == "4"
     master.start(version="previous")
@@ -279,6 +282,32 @@ def test_an_archive_for_which_there_is_no_room_is_told(master: CardHost, monkeyp
     assert master.runs == "1"
 
 
+def test_what_a_cut_has_left_takes_no_room(master: CardHost, monkeypatch: pytest.MonkeyPatch) -> None:
+    left = master.store.served.parent / "versions/.new"
+    left.mkdir(parents=True)
+    give(master, "2")
+    usage = shutil.disk_usage
+    monkeypatch.setattr("shutil.disk_usage", lambda path: usage(path)._replace(free=0 if left.exists() else 1 << 40))
+    master.start()
+    assert master.runs == "2"
+
+
+def test_an_engine_that_hangs_up_is_told(master: CardHost, monkeypatch: pytest.MonkeyPatch) -> None:
+    give(master, "2")
+    with monkeypatch.context() as patch:
+        patch.setattr(master.engine, "ask", Mock(side_effect=EngineError("GET / breaks off")))
+        master.start()
+    assert master.told == ["laserbot-2.update: GET / breaks off", "the game cannot be started: GET / breaks off"]
+    master.start()
+    assert master.runs == "2"
+
+
+def test_without_the_first_partition_the_card_runs(master: CardHost) -> None:
+    master.boot.rmdir()
+    master.start()
+    assert master.runs == "1"
+
+
 def test_of_several_archives_none_is_taken(master: CardHost) -> None:
     for version in "32":
         give(master, version)
@@ -338,14 +367,17 @@ def test_an_archive_of_the_cards_own_version_brings_it_to_the_robots(master: Car
 
 
 @pytest.mark.parametrize(
-    "content", ["", "{}", "[]", "\0\0", '{"current": "9", "previous": "9", "trial": "", "refused": []}']
+    "content", [b"", b"{}", b"[]", b"\0\xff", b'{"current": "9", "previous": "9", "trial": "", "refused": []}']
 )
-def test_a_memory_that_is_lost_leaves_the_cards_own_version(content: str, master: CardHost) -> None:
+def test_a_memory_that_is_lost_leaves_the_cards_own_version(content: bytes, master: CardHost) -> None:
     give(master, "2")
     master.start()
-    (master.store.served.parent / "state.json").write_text(content)
+    (master.store.served.parent / "state.json").write_bytes(content)
     master.start()
     assert master.runs == "1"
+    give(master, "3")
+    master.start()
+    assert master.runs == "3"
 
 
 def test_the_archive_goes_when_all_of_it_would_outlast_the_power(
