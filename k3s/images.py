@@ -8,9 +8,11 @@ takes them from there. With - in its place, the names are those of the manifests
 a registry in front.
 
     kubectl get pods --all-namespaces --selector app.kubernetes.io/part-of=laserbot --output json |
-        k3s/images.py check ARCHIVE
+        k3s/images.py check ARCHIVE [NAMESPACE...]
 
-says which containers run something else: exit code 1 if there are any.
+says which containers run something else, in these namespaces or in all: exit code 1 if there are any. With
+deployments,statefulsets,daemonsets,pods in place of pods, it also says which of these should have pods and have none,
+and takes no pods for right where none are wanted.
 
 `make images ARCHIVE=...` writes the archive; Python's standard library is all that this program needs.
 """
@@ -19,7 +21,7 @@ import json
 import re
 import sys
 import tarfile
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -27,9 +29,11 @@ from typing import Any
 DIGEST = re.compile(r"sha256:[0-9a-f]{64}")
 FIELD = "io.containerd.image.name"
 REGISTRY = re.compile(r"(?:[A-Za-z0-9.-]+|\[[0-9a-f:]+\])(?::[0-9]+)?(?:/[a-z0-9._-]+)*")
+WORKLOADS = {"Deployment", "StatefulSet", "DaemonSet"}
 IMAGE_LINE = re.compile(r"""^[ -]*image: ["']?([^\s"']+)""", re.MULTILINE)
 
 Entry = dict[str, str]  # of kustomize's `images`
+Object = Mapping[str, Any]  # as kubectl gives it
 
 
 class InputError(Exception):
@@ -149,12 +153,12 @@ def _last(name: str) -> str:
     return name.rpartition("/")[2]
 
 
-def others(pods: Mapping[str, Any], images: Mapping[str, Image]) -> Iterator[str]:
-    """A line for each container of these pods (as kubectl gives them) that runs another image of the same name.
+def others(pods: Iterable[Object], images: Mapping[str, Image]) -> Iterator[str]:
+    """A line for each container of these pods that runs another image of the same name.
 
     Pods that are ending, or have ended as those of jobs do, are left out.
     """
-    for pod in pods["items"]:
+    for pod in pods:
         status = pod.get("status", {})
         if "deletionTimestamp" in pod["metadata"] or status.get("phase") in {"Succeeded", "Failed"}:
             continue
@@ -175,14 +179,42 @@ def others(pods: Mapping[str, Any], images: Mapping[str, Image]) -> Iterator[str
                 yield f"{where}: runs {found[0]}; wanted is {image.name} {image.digest}"
 
 
-def check(text: str, images: Mapping[str, Image]) -> list[str]:
-    """As `others`, of kubectl's output; InputError if that has no pods."""
+def without_pods(workloads: Iterable[Object], pods: Sequence[Object]) -> Iterator[str]:
+    """A line for each of these workloads that should have pods and has none, not even one that is ending."""
+    for workload in workloads:
+        wanted = _wanted(workload)
+        if wanted and not any(_has(workload, pod) for pod in pods):
+            metadata = workload["metadata"]
+            yield f"{metadata['namespace']}/{metadata['name']}: has no pods; wanted are {wanted}"
+
+
+def _wanted(workload: Object) -> int:
+    """How many pods; of a DaemonSet, one for each node that it fits."""
+    if workload["kind"] == "DaemonSet":
+        return int(workload.get("status", {}).get("desiredNumberScheduled", 0))
+    return int(workload["spec"].get("replicas", 1))
+
+
+def _has(workload: Object, pod: Object) -> bool:
+    selected: dict[str, str] = workload["spec"]["selector"].get("matchLabels", {})
+    labels: dict[str, str] = pod["metadata"].get("labels", {})
+    is_beside = bool(pod["metadata"]["namespace"] == workload["metadata"]["namespace"])
+    return is_beside and selected.items() <= labels.items()
+
+
+def check(text: str, images: Mapping[str, Image], namespaces: Collection[str] = ()) -> list[str]:
+    """As `without_pods` and `others`, of kubectl's output; InputError if that has nothing in these namespaces."""
     try:
-        pods = json.loads(text)
-        if not pods["items"]:
-            raise InputError("there are no pods to compare: is the game in another cluster or namespace?")
-        return list(others(pods, images))
-    except (ValueError, KeyError, TypeError):
+        items = [
+            item for item in json.loads(text)["items"] if not namespaces or item["metadata"]["namespace"] in namespaces
+        ]
+        if not items:
+            where = f" in {', '.join(namespaces)}" if namespaces else ""
+            raise InputError(f"there are no pods to compare{where}: is the game in another cluster or namespace?")
+        workloads = [item for item in items if item.get("kind") in WORKLOADS]
+        pods = [item for item in items if item.get("kind") not in WORKLOADS]
+        return [*without_pods(workloads, pods), *others(pods, images)]
+    except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError("the input is not the output of kubectl get pods --output json") from None
 
 
@@ -195,11 +227,13 @@ def main(words: list[str]) -> int:
             case ["name", archive, *registry] if len(registry) < 2:
                 print(component(named(read(Path(archive)), *registry), archive), end="")
                 return 0
-            case ["check", archive]:
-                wrong = check(sys.stdin.read(), read(Path(archive)))
+            case ["check", archive, *namespaces]:
+                wrong = check(sys.stdin.read(), read(Path(archive)), namespaces)
                 print("\n".join(wrong) or "every container runs its image of the archive")
                 return 1 if wrong else 0
-        raise InputError("usage: k3s/images.py name ARCHIVE [REGISTRY or -], or k3s/images.py check ARCHIVE <PODS")
+        raise InputError(
+            "usage: k3s/images.py name ARCHIVE [REGISTRY or -], or k3s/images.py check ARCHIVE [NAMESPACE...] <PODS"
+        )
     except InputError as error:
         print(f"k3s/images.py: {error}", file=sys.stderr)
         return 2

@@ -55,7 +55,7 @@ case "$*" in
     tar -xOf "$4" index.json >{NOTES}/imported ;;
 "ctr images list") cat {NOTES}/imported || true ;;
 "kubectl label "*) [ -e $again ] && echo "node/one not labeled" || echo "node/one labeled"; touch $again ;;
-*" get pods --output=json "*) cat {NOTES}/pods ;;
+"kubectl get deployments,"*) cat {NOTES}/pods ;;
 "kubectl get nodes "*) cat {NOTES}/nodes || true ;;
 *" get daemonset "*) echo "$(cat {NOTES}/robots || echo 1,1,2,2,2)" ;;
 "kubectl get pods "*) echo "robot-x7k2p 0/1 ErrImageNeverPull" ;;

@@ -10,7 +10,7 @@ from tests.support.local_play import play_tasks, recap
 from tests.support.programs import ROOT
 
 K3S = """#!/bin/sh
-cat {folder}/$3.json
+cat {folder}/found.json
 """
 
 
@@ -18,15 +18,17 @@ def play(folder: Path, arena: Archive, entrance: Archive) -> tuple[str, int]:
     """What the play says of a cluster with images of these archives, and how often it has failed."""
     (folder / "k3s").write_text(K3S.format(folder=folder))
     (folder / "k3s").chmod(0o755)
-    for namespace, archive in (("laserbot-red", arena), ("laserbot-entrance", entrance)):
-        pod = {
+    pods = [
+        {
             "metadata": {"namespace": namespace, "name": "one"},
             "spec": {"containers": [{"name": "web", "image": "webserver"}]},
             "status": {"containerStatuses": [{"name": "web", "imageID": archive.digests["webserver"]}]},
         }
-        (folder / f"{namespace}.json").write_text(json.dumps({"items": [pod]}))
+        for namespace, archive in (("laserbot-red", arena), ("laserbot-entrance", entrance))
+    ]
+    (folder / "found.json").write_text(json.dumps({"items": pods}))
     variables = f"k3s_root: {ROOT}\nfleet_images_archive: {folder}/built.tar\n"
-    variables += "k3s_namespaces: [laserbot-red, laserbot-entrance]\n"
+    variables += "k3s_namespaces: [laserbot-red, laserbot-entrance, own]\n"
     run = play_tasks(ROOT / "ansible/tasks/k3s_compare.yml", variables, folder, "laser_bot_master")
     return run.stdout, recap(run.stdout)["laser_bot_master"]["failed"]
 

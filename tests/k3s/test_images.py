@@ -108,7 +108,7 @@ def test_the_names_of_rendered_manifests_are_replaced_with_their_registry(tmp_pa
     }
 
 
-def pod(name: str, images: dict[str, tuple[str, str]], **metadata: str) -> Object:
+def pod(name: str, images: dict[str, tuple[str, str]], **metadata: object) -> Object:
     """As kubectl gives it; of each container the image that its manifest names, and what runs."""
     return {
         "metadata": {"namespace": "laserbot", "name": name, **metadata},
@@ -120,8 +120,19 @@ def pod(name: str, images: dict[str, tuple[str, str]], **metadata: str) -> Objec
     }
 
 
-def compared(archive: Archive, *pods: Object) -> tuple[int, list[str]]:
-    done = run("check", archive.path, given=json.dumps({"items": pods}))
+def workload(kind: str, namespace: str, name: str, wanted: int) -> Object:
+    """As kubectl gives it; `wanted` are its pods."""
+    many: Object = {"status": {"desiredNumberScheduled": wanted}} if kind == "DaemonSet" else {}
+    return {
+        "kind": kind,
+        "metadata": {"namespace": namespace, "name": name},
+        "spec": {"selector": {"matchLabels": {"name": name}}} | ({} if many else {"replicas": wanted}),
+        **many,
+    }
+
+
+def compared(archive: Archive, *found: Object, within: tuple[str, ...] = ()) -> tuple[int, list[str]]:
+    done = run("check", archive.path, *within, given=json.dumps({"items": found}))
     return done.returncode, (done.stdout + done.stderr).splitlines()
 
 
@@ -164,6 +175,33 @@ def test_only_what_should_run_is_compared(tmp_path: Path) -> None:
     assert code == 1
     assert [line.split(":")[0] for line in lines] == ["laserbot/robot-0 arduino", "laserbot/robot-0 robot"]
     assert "has not started" in lines[0]
+
+
+KINDS = ("Deployment", "StatefulSet", "DaemonSet")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_only_where_pods_are_wanted_none_is_a_fault(tmp_path: Path, kind: str) -> None:
+    archive = Archive(tmp_path / "laserbot.tar")
+    assert compared(archive, workload(kind, "laserbot", "robot", 0))[0] == 0
+    wanting = workload(kind, "laserbot", "robot", 2)
+    fault = (1, ["laserbot/robot: has no pods; wanted are 2"])
+    master = pod("master-1", {"web": ("webserver", archive.digests["webserver"])}, labels={"name": "master"})
+    assert compared(archive, wanting, master) == fault
+    robot = pod("robot-1", {"robot": ("rosberry", archive.digests["rosberry"])}, labels={"name": "robot", "hash": "1"})
+    assert compared(archive, wanting, robot | {"metadata": robot["metadata"] | {"namespace": "other"}}) == fault
+    assert compared(archive, wanting, master, robot)[0] == 0
+
+
+def test_namespaces_without_anything_of_the_game_are_left_alone(tmp_path: Path) -> None:
+    archive = Archive(tmp_path / "laserbot.tar")
+    right = pod("master-1", {"web": ("webserver", archive.digests["webserver"])})
+    wrong = pod("master-1", {"web": ("webserver", f"sha256:{'0' * 64}")}, namespace="another-game")
+    assert compared(archive, right, wrong)[0] == 1
+    assert compared(archive, right, wrong, within=("laserbot", "own"))[0] == 0
+    code, (line,) = compared(archive, wrong, within=("laserbot", "own"))
+    assert code == 2
+    assert "there are no pods to compare in laserbot, own: " in line
 
 
 NO_REGISTRIES = (f"http://{REGISTRY}", f"{REGISTRY}/", "my_registry:5000")  # containerd takes no _ in a host

@@ -48,6 +48,12 @@ def test_nothing_waits_longer_than_kubernetes_lets_it_and_each_arena_has_its_own
     assert found["blue", "master"] == 90 + 60
 
 
+def test_a_workload_without_a_namespace_is_in_the_one_that_kubectl_takes() -> None:
+    own = {"kind": "Deployment", "metadata": {"name": "own"}, "spec": {"template": {"spec": {}}}}
+    (told,) = json.loads(run("90", "0", given=yaml.safe_dump(own)).stdout)
+    assert (told["namespace"], told["name"]) == ("default", "own")
+
+
 def test_what_cannot_be_used_is_told_in_one_line() -> None:
     for words, given in ((("90",), ""), (("90", "2"), "kind: {"), (("90", "2"), "kind: Deployment")):
         done = run(*words, given=given)
