@@ -2,7 +2,9 @@
 
 import json
 import subprocess
+import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import yaml
@@ -63,9 +65,28 @@ def test_only_a_healthy_service_of_the_same_definition_is_left_alone() -> None:
     assert to_run(*ill) == NAMES
 
 
-def test_a_service_whose_program_the_image_lacks_is_known() -> None:
-    assert told("release_ask + release_programs.values()")[-2:] == ["server.main", "server.bots"]
-    assert told("release_lacking", release_lacks={"stdout": "server.bots\n"}) == ["laserbot-bots"]
+def test_a_service_whose_program_the_image_lacks_is_known(tmp_path: Path) -> None:
+    asked = told("release_ask + release_programs.values()")
+    assert asked[-2:] == ["server.main", "server.bots"]
+    (tmp_path / "server").mkdir()
+    for module in ("__init__", "main"):
+        (tmp_path / f"server/{module}.py").touch()
+    ask = [sys.executable, *asked[asked.index("python3") + 1 :], "server.ros.master"]
+    lacks = subprocess.run(ask, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+    assert lacks.split() == ["server.bots", "server.ros.master"]
+    assert told("release_lacking", release_lacks={"stdout": lacks}) == ["laserbot-bots"]
+
+
+def test_an_image_without_a_program_of_the_core_is_refused_before_anything_runs() -> None:
+    def lacking(*modules: str) -> object:
+        lacks = {"stdout": " ".join(modules)}
+        return told("release_lacking_core", release_lacks=lacks, release_core=["laserbot-web", "laserbot-rosbridge"])
+
+    assert lacking("server.bots") == []
+    assert lacking("server.bots", "server.main") == ["server.main"]
+    tasks = yaml.safe_load((ROLE / "tasks/services.yml").read_text())
+    (refuses,) = (i for i, task in enumerate(tasks) if "release_lacking_core | length == 0" in str(task))
+    assert refuses < min(i for i, task in enumerate(tasks) if task["name"] in ("Run the service", "Remove the service"))
 
 
 def test_a_run_that_is_broken_off_leaves_no_service_without_what_restarts_it() -> None:

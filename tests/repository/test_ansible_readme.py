@@ -84,3 +84,11 @@ def test_check_yml_looks_at_every_service_of_a_master() -> None:
     variables = yaml.safe_load((ANSIBLE / "roles/master/vars/main.yml").read_text())
     deployed = {service["name"] for part in ("master_services", "master_overhead") for service in variables[part]}
     assert set(Machine("hall", "master", "192.0.2.1", "pi", "", overhead=True).services) == deployed
+
+
+def test_the_core_of_a_master_are_services_of_its() -> None:
+    variables = yaml.safe_load((ANSIBLE / "roles/master/vars/main.yml").read_text())
+    core = variables["master_core"]
+    assert set(core) <= {service["name"] for service in variables["master_services"]}
+    (run,) = yaml.safe_load((ANSIBLE / "roles/master/tasks/run.yml").read_text())
+    assert run["vars"]["release_core"] == "{{ master_core }}"
