@@ -6,6 +6,7 @@ import contextlib
 import functools
 import json
 import os
+import shlex
 import socket
 import time
 from collections.abc import Callable, Iterable
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import testinfra
+import yaml
 from testinfra.host import Host
 
 from laser_bot_battle import search, variables
@@ -34,6 +36,19 @@ SERVICES = {
 }
 CAMERA_SERVICE = "laserbot-camera"
 OVERHEAD_SERVICE = "laserbot-overhead"
+_ROLES = Path(__file__).parent.parent / "roles"
+_MASTER, _ROBOT = (yaml.safe_load((_ROLES / f"{role}/vars/main.yml").read_text()) for role in ("master", "robot"))
+# The Python modules of services that an older release may lack (roles/release); the core is not among them.
+MODULES = {
+    service["name"]: service["command"][2]
+    for service in (*_MASTER["master_services"], *_MASTER["master_overhead"], _ROBOT["robot_camera_service"])
+    if service["name"] not in _MASTER["master_core"]
+}
+# As roles/release asks: a module of a package that is not there is not there either.
+LACKING = (
+    "import importlib.util as u, sys; print(*[module for module in sys.argv[1:] if not all("
+    "u.find_spec(module.rsplit('.', i)[0]) for i in range(module.count('.'), -1, -1))])"
+)
 
 
 @dataclass(frozen=True)
@@ -57,8 +72,24 @@ class Machine:
 
     @property
     def services(self) -> list[str]:
+        """What the inventory asks for."""
         extras = {CAMERA_SERVICE: self.camera, OVERHEAD_SERVICE: self.overhead}
         return SERVICES[self.group] + [service for service, is_there in extras.items() if is_there]
+
+    @functools.cached_property
+    def left_out(self) -> list[str]:
+        """Those of them for which the image that it runs, of an older release, has no program."""
+        modules = {service: MODULES[service] for service in self.services if service in MODULES}
+        if not modules:
+            return []
+        ask = ["docker", "exec", self.services[0], "python3", "-c", LACKING, *modules.values()]
+        lacking = self.run(shlex.join(ask)).split()
+        return [service for service, module in modules.items() if module in lacking]
+
+    @property
+    def running(self) -> list[str]:
+        """The services that should run."""
+        return [service for service in self.services if service not in self.left_out]
 
     @functools.cached_property
     def host(self) -> Host:
@@ -87,14 +118,14 @@ class Machine:
         return self.containers(service)[service]
 
     def containers(self, *services: str) -> dict[str, dict[str, Any]]:
-        """The same of several, by default of all services."""
-        found = json.loads(self.run(f"docker inspect {' '.join(services or self.services)}"))
+        """The same of several, by default of all that should run."""
+        found = json.loads(self.run(f"docker inspect {' '.join(services or self.running)}"))
         return {container["Name"].removeprefix("/"): container for container in found}
 
     def run_in_containers(self, command: str) -> dict[str, str]:
         """What a command prints in each of the services' containers, all at once."""
         each = f"echo $s $(docker exec $s {command} 2>&1)"
-        lines = self.run(f"for s in {' '.join(self.services)}; do {each} & done; wait").splitlines()
+        lines = self.run(f"for s in {' '.join(self.running)}; do {each} & done; wait").splitlines()
         return {service: said for service, _, said in (line.partition(" ") for line in lines)}
 
 

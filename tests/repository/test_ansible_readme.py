@@ -3,10 +3,13 @@
 import json
 import os
 import re
+import shlex
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
+import pytest
 import yaml
 
 from fleet import Machine
@@ -84,6 +87,32 @@ def test_check_yml_looks_at_every_service_of_a_master() -> None:
     variables = yaml.safe_load((ANSIBLE / "roles/master/vars/main.yml").read_text())
     deployed = {service["name"] for part in ("master_services", "master_overhead") for service in variables[part]}
     assert set(Machine("hall", "master", "192.0.2.1", "pi", "", overhead=True).services) == deployed
+
+
+def test_check_yml_expects_no_service_whose_program_the_release_lacks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The image is a folder here; one that lacks a program of the core is no release."""
+    asked: list[str] = []
+
+    def run(machine: Machine, command: str) -> str:
+        words = shlex.split(command)
+        code = words.index("-c")
+        asked.append(" ".join(words[:code]))
+        look = [sys.executable, *words[code:]]
+        return subprocess.run(look, cwd=tmp_path, capture_output=True, text=True, check=True).stdout
+
+    monkeypatch.setattr(Machine, "run", run)
+    for module in ("camera", "store", "front", "announcer"):
+        (tmp_path / "server" / module).mkdir(parents=True)
+        (tmp_path / "server" / module / "__init__.py").touch()
+    master = Machine("hall", "master", "192.0.2.1", "pi", "", overhead=True)
+    assert master.left_out == ["laserbot-rosout", "laserbot-bots", "laserbot-overhead"]
+    assert sorted(master.running + master.left_out) == sorted(master.services)
+    robot = Machine("raspberrypi1", "robots", "192.0.2.2", "pi", "", camera=True)
+    assert robot.running == ["laserbot-robot"]
+    assert Machine("raspberrypi2", "robots", "192.0.2.3", "pi", "").running == ["laserbot-robot"]
+    assert asked == ["docker exec laserbot-rosmaster python3", "docker exec laserbot-robot python3"]
 
 
 def test_the_core_of_a_master_are_services_of_its() -> None:
