@@ -4,6 +4,7 @@ import base64
 import binascii
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import yaml
@@ -12,6 +13,8 @@ from laser_bot_battle.given_settings import Given, Group
 
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # the one in C takes a tenth of the time
 _HOLDERS = ("ConfigMap", "Secret")
+# what has a pod, by Kubernetes' own names: the fields of other projects' objects may mean anything
+_WITH_PODS = ("Pod", "Deployment", "StatefulSet", "DaemonSet", "ReplicaSet", "Job", "CronJob")
 _REFERENCE = re.compile(r"\$\(([^()]+)\)")
 
 Object = dict[str, Any]
@@ -24,13 +27,27 @@ def groups(text: str) -> list[Group]:
         objects = [item for document in yaml.load_all(text, Loader=_LOADER) for item in _items(document)]
     except yaml.YAMLError as error:
         raise ValueError(f"it is no YAML: {error}") from None
-    held = {_place(item): _data(item) for item in objects if item["kind"] in _HOLDERS}
+    held: dict[Place, dict[str, Given]] = {}
+    for item in objects:
+        if item["kind"] in _HOLDERS:
+            with _told(item):
+                held[_place(item)] = _data(item)
     read: set[Place] = set()
     found: list[Group] = []
     for item in objects:
-        for container in _containers(item):
-            found.append(_Container(item, container, held, read).group())
+        if item["kind"] in _WITH_PODS:
+            with _told(item):
+                found += [_Container(item, container, held, read).group() for container in _containers(item)]
     return [*found, *(data for place, data in held.items() if place not in read)]
+
+
+@contextmanager
+def _told(item: Object) -> Iterator[None]:
+    """ValueError for fields that are missing or of another kind than Kubernetes wants."""
+    try:
+        yield
+    except (AttributeError, KeyError, TypeError):
+        raise ValueError(f"{_named(item)} is not as Kubernetes wants it") from None
 
 
 class _Container:
@@ -84,7 +101,10 @@ def _items(document: object) -> Iterator[Object]:
     elif document["kind"] == "Kustomization":
         raise ValueError("a kustomization has to be built first: kubectl kustomize FOLDER")
     else:
-        yield {**document, "metadata": document.get("metadata") or {}}
+        metadata = document.get("metadata") or {}
+        if not isinstance(metadata, dict):
+            raise ValueError(f"the metadata of a {document['kind']} is not as Kubernetes wants it")
+        yield {**document, "metadata": metadata}
 
 
 def _containers(item: Object) -> Iterator[Object]:
@@ -92,9 +112,8 @@ def _containers(item: Object) -> Iterator[Object]:
     spec = item.get("spec") or {}
     spec = (spec.get("jobTemplate") or {}).get("spec") or spec  # of a CronJob
     pod = (spec.get("template") or {}).get("spec") or spec
-    if isinstance(pod, dict):
-        for kind in ("initContainers", "containers"):
-            yield from pod.get(kind) or []
+    for kind in ("initContainers", "containers"):
+        yield from pod.get(kind) or []
 
 
 def _place(item: Object) -> Place:
@@ -110,7 +129,8 @@ def _data(item: Object) -> dict[str, Given]:
     where = f"{_named(item)}: "
     data = {name: str(value or "") for name, value in (item.get("data") or {}).items()}
     if item["kind"] == "Secret":
-        data = {name: _decoded(value) for name, value in data.items()} | (item.get("stringData") or {})
+        plain = {name: str(value or "") for name, value in (item.get("stringData") or {}).items()}
+        data = {name: _decoded(value) for name, value in data.items()} | plain
     return {name: Given(value, where) for name, value in data.items()}
 
 

@@ -188,11 +188,23 @@ def test_manifests_are_read_as_a_cluster_reads_them() -> None:
         ("apiVersion: v1\n---\n- a list\n", "every document needs a kind"),
         ("apiVersion: kustomize.config.k8s.io/v1beta1\nkind: Kustomization\n", "kubectl kustomize FOLDER"),
         ("apiVersion: v1\nkind: Secret\nmetadata: {name: a}\ndata: {b: '*'}\n", "no base64"),
+        ("apiVersion: v1\nkind: Pod\nmetadata: a\n", "the metadata of a Pod is not as Kubernetes wants it"),
+        ("apiVersion: v1\nkind: ConfigMap\nmetadata: {name: a}\ndata: [b]\n", "ConfigMap a is not as"),
+        ("apiVersion: v1\nkind: Deployment\nmetadata: {name: a}\nspec: b\n", "Deployment a is not as"),
+        ("apiVersion: v1\nkind: Pod\nmetadata: {name: a}\nspec: {containers: [b]}\n", "Pod a is not as"),
+        ("apiVersion: v1\nkind: Pod\nmetadata: {name: a}\nspec: {containers: [{env: [{value: b}]}]}\n", "Pod a is not"),
     ],
 )
 def test_what_is_no_manifest_is_refused(text: str, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         groups_of(text)
+
+
+def test_objects_of_other_projects_are_left_alone() -> None:
+    """Their fields may have the names of a pod's."""
+    theirs = "apiVersion: example/v1\nkind: Chart\nspec: {template: text, containers: 3}\n"
+    assert in_file(theirs) == []
+    assert in_file(f"{theirs}---{MANIFESTS}") == in_file(MANIFESTS)
 
 
 def test_without_what_reads_yaml_manifests_cannot_be_read(tmp_path: Path) -> None:
