@@ -41,7 +41,7 @@ def test_each_database_of_what_is_applied_is_saved(tmp_path: Path) -> None:
 def test_nothing_is_changed_when_that_fails(state: str, tmp_path: Path) -> None:
     said, failed = play(tmp_path, state)
     assert failed == 1
-    assert "laserbot could not be saved, and nothing was changed" in " ".join(said.split())
+    assert "laserbot could not be saved, and nothing was applied" in " ".join(said.split())
 
 
 @pytest.mark.slow
