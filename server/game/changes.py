@@ -385,7 +385,9 @@ def _message_shown(event: events.MessageShown, state: State, _at: float) -> None
 
 def _tell(state: State, happening: Happening) -> None:
     state.happenings = happening.number
-    state.happened = (*state.happened, happening)[-TOLD:]
+    happened = (*state.happened, happening)
+    alike = [one for one in happened if one.refused == happening.refused]  # refused hits push out none that count
+    state.happened = tuple(one for one in happened if one not in alike[:-TOLD])
 
 
 def _give(state: State, robot_id: int, name: str | None) -> None:

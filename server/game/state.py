@@ -19,7 +19,7 @@ from server.game.teams import deal
 from server.game.tournament import Tournament
 from server.game.users import User, Users, Waiting, is_same_name
 
-TOLD = 8  # of what has happened in a battle, the newest
+TOLD = 8  # of the hits of a battle, the newest; and as many of those that were refused
 MEASURED = 5  # battles, by which waiting times are told
 
 
@@ -49,7 +49,7 @@ class State:
     grudges: tuple[Grudge, ...] = ()
     teams: int = 0  # of the running or the last battle; 0: everybody fights alone
     pickups: PickUps = field(default_factory=PickUps)  # of the running or the last battle
-    happened: tuple[Happening, ...] = ()  # in it, at most `TOLD`
+    happened: tuple[Happening, ...] = ()  # in it, see `TOLD`
     happenings: int = 0  # in all battles so far
     # what operators have decided
     rules: Mapping[str, Any] = field(default_factory=dict)  # values instead of the environment's

@@ -8,12 +8,14 @@ import pytest
 
 from laser_bot_battle.floor import Zone
 from laser_bot_battle.msg import GameEvent
-from server.game import desk
+from server.game import changes, desk, events, place_events
 from server.game.events import kind_of, to_json
 from server.game.places import SEEN
 from server.game.replay import replay
 from server.game.rules import Rules
 from server.game.sight import REMEMBERED, Moment, Sides, beyond, could_meet
+from server.game.state import TOLD, State
+from server.game.users import User
 from server.ros.status import to_message
 from server.store.course import courses
 from server.store.marks import effects, marks
@@ -116,6 +118,25 @@ def test_a_hit_that_the_line_of_fire_refuses_is_an_event(fire):
     _, bob = courses(recorded)
     assert [change[1:] for change in bob.changes] == [("refused", 100, "ada")]
     assert bob.hits == 0
+
+
+def test_refused_hits_push_no_hit_out_of_what_is_told():
+    state = State()
+    state.robots.put(1, "raspberrypi1", 0.0)
+    state.users.add_user(User("bob", 1, "session", 0, seen=0.0))
+    for life in (90, 80):
+        changes.apply(state, events.Hit("bob", 1, life, "ada"), 1.0)
+    for _ in range(3 * TOLD):
+        changes.apply(state, place_events.HitRefused("bob", 1, 80, "ada"), 1.0)
+    told = state.happened
+    assert [one.life for one in told if not one.refused] == [90, 80]
+    newest = 2 + 3 * TOLD
+    assert [one.number for one in told if one.refused] == [*range(newest - TOLD + 1, newest + 1)]
+    for life in range(70, 70 - TOLD, -1):
+        changes.apply(state, events.Hit("bob", 1, life, "ada"), 1.0)
+    told = state.happened
+    assert [one.life for one in told if not one.refused] == [*range(70, 70 - TOLD, -1)]
+    assert [one.number for one in told] == sorted(one.number for one in told)
 
 
 def test_a_hit_on_who_is_protected_anyway_is_not_told_as_refused(new_match):
