@@ -90,7 +90,8 @@ test("by HTTP alone, the end waits for the result", () => {
 
 test("each change has words in each language", () => {
   const user = player("Al", { life: 40, avatar: 2 });
-  const kinds = ["joined", "left", "ready", "unready", "countdown", "cancelled", "start", "hit", "out", "aborted", "paused", "resumed"];
+  const kinds = ["joined", "left", "ready", "unready", "countdown", "cancelled", "start", "hit", "out", "aborted", "paused", "resumed",
+    "fenced", "hill", "repair", "shield", "double_damage"];
   for (const language of ["en", "it", "de"]) {
     const words = JSON.parse(readFileSync(new URL(`../../../server/static/words/${language}.json`, import.meta.url)));
     setWords(words, language);

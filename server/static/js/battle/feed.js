@@ -8,9 +8,9 @@ import { teamsOf } from "./teams.js";
 /** @typedef {import("./messages.js").Status} Status */
 
 /**
- * "hit", "out" and "refused" are of the one who was hit.
+ * "hit", "out" and "refused" are of the one who was hit; "fenced" to "double_damage" are ./feed_places.js's.
  * @typedef {object} Change
- * @property {"joined"|"left"|"ready"|"unready"|"countdown"|"cancelled"|"start"|"hit"|"out"|"refused"|"end"|"aborted"|"paused"|"resumed"} kind
+ * @property {"joined"|"left"|"ready"|"unready"|"countdown"|"cancelled"|"start"|"hit"|"out"|"refused"|"end"|"aborted"|"paused"|"resumed"|"fenced"|"hill"|"repair"|"shield"|"double_damage"} kind
  * @property {string} name of the player; "" if it is nobody's
  * @property {number|null} avatar
  * @property {number|null} life after it
@@ -21,7 +21,7 @@ import { teamsOf } from "./teams.js";
  */
 
 const ofGame = (kind) => ({ kind, name: "", avatar: null, life: null, robot: null, by: null, winners: [], teams: [] });
-const ofPlayer = (kind, { name, avatar, life, robot }) => ({ ...ofGame(kind), name, avatar, life, robot });
+export const ofPlayer = (kind, { name, avatar, life, robot }) => ({ ...ofGame(kind), name, avatar, life, robot });
 
 /**
  * What has changed, in the order in which people would tell it. States in between may be missing.

@@ -3,6 +3,7 @@
 import { avatarUrl } from "../common/assets.js";
 import { element, setPicture } from "../common/dom.js";
 import { changes } from "./feed.js";
+import { PlaceNews } from "./feed_places.js";
 import { teamName } from "./teams.js";
 import { list, percent, t } from "../common/words.js";
 
@@ -11,6 +12,7 @@ const FRESH = 12_000; // ms that an entry stands out
 
 const TONES = {
   countdown: "alert", start: "alert", resumed: "alert", ready: "good", hit: "hit", out: "out", end: "win",
+  hill: "good", repair: "good", shield: "good", double_damage: "good",
 };
 
 /**
@@ -51,6 +53,7 @@ function withNames(text) {
 export class FeedList {
   #list;
   #timers = new Map(); // by node
+  #places = new PlaceNews();
 
   /** @param {HTMLOListElement|HTMLUListElement} node */
   constructor(node) {
@@ -63,7 +66,7 @@ export class FeedList {
    * @returns {import("./feed.js").Change[]} the changes
    */
   take(previous, current) {
-    const news = changes(previous, current);
+    const news = [...this.#places.take(previous, current), ...changes(previous, current)];
     for (const change of news) this.#add(feedEntry(change, isolated));
     return news;
   }
