@@ -133,6 +133,7 @@ def _add_battles(pages: Blueprint, results: Results) -> None:
             timeline=_moments(courses),
             places=results.places(found.id),
             effects=results.effects(found.id),
+            points=results.points(found.id),
             track=results.track(found.id),
         )
 

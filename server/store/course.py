@@ -13,6 +13,8 @@ KINDS = (
     "Hit",
     "HitRefused",
     "PickedUp",
+    "Fenced",
+    "HillHeld",
     "Left",
     "Unseated",
     "RobotGone",
@@ -20,15 +22,18 @@ KINDS = (
     "Resumed",
     "BattleEnded",
 )
+_WHAT = {"HitRefused": "refused", "Fenced": "fence", "HillHeld": "hill"}  # Change.what, where the event does not tell
+
+Hill = tuple[float, float]  # x and y of its middle
 
 
 class Change(NamedTuple):
     """Of a fighter."""
 
     at: float
-    what: str  # "hit", "refused" for one that has cost no life, or what was picked up
+    what: str  # "hit", "refused" for one that has cost no life, "fence", "hill" for taking it, or what was picked up
     life: int  # since then
-    by: str = ""  # of both: who has shot, if the light tells
+    by: str = ""  # of the first two: who has shot, if the light tells
 
 
 @dataclass(slots=True)
@@ -90,6 +95,7 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
     """The courses of one battle's fighters, from its events as they are kept: Unix time in s, kind, fields."""
     found: list[Course] = []
     began, paused_at = 0.0, None
+    holders: dict[Hill, int | str] = {}  # the team, or who fights alone
     for at, kind, data in recorded:
         now = at - began
         match kind:
@@ -103,8 +109,8 @@ def courses(recorded: Iterable[tuple[float, str, Mapping[str, Any]]]) -> list[Co
                 found.append(Course(data["name"], data["robot"], data["avatar"], now, data["life"]))
             case "Hit":
                 _hit(found, data, now)
-            case "HitRefused" | "PickedUp":
-                _note(found, data, now)
+            case "HitRefused" | "PickedUp" | "Fenced" | "HillHeld":
+                _note(found, kind, data, now, holders)
             case "Left" | "Unseated" | "RobotGone":
                 for course in found:
                     if course.robot == data["robot"] if kind == "RobotGone" else course.name == data["name"]:
@@ -131,7 +137,24 @@ def _hit(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
             course.give(is_kill=data["life"] == 0)
 
 
-def _note(found: Iterable[Course], data: Mapping[str, Any], now: float) -> None:
+def _note(
+    found: Iterable[Course], kind: str, data: Mapping[str, Any], now: float, holders: dict[Hill, int | str]
+) -> None:
     for course in found:
-        if course.name == data["name"]:
-            course.changes.append(Change(now, data.get("kind", "refused"), data["life"], data.get("by", "")))
+        if course.name == data["name"] and _is_news(kind, data, course, holders):
+            what = _WHAT.get(kind) or data["kind"]
+            course.changes.append(Change(now, what, data.get("life", course.life), data.get("by", "")))
+
+
+def _is_news(kind: str, data: Mapping[str, Any], course: Course, holders: dict[Hill, int | str]) -> bool:
+    """Who pushes against the edge again and again is stopped once, and a hill is taken once, for many seconds."""
+    match kind:
+        case "Fenced":
+            is_again = bool(course.changes) and course.changes[-1].what == "fence"
+            return (data["ahead"] or data["behind"]) and course.out is None and not is_again
+        case "HillHeld":
+            hill, side = (data["x"], data["y"]), course.team or course.name
+            before, holders[hill] = holders.get(hill), side
+            return before != side
+        case _:
+            return True

@@ -9,8 +9,9 @@ from typing import Any
 
 from server.game.snapshot import PLACES
 
-# the events that matter to `marks` and `effects`, by server.game.events
+# the events that matter to `marks`, `points` and `effects`, by server.game.events
 ON_FLOOR = ("BattleStarted", "HillOpened", "HillHeld", "PickUpLaid", "PickedUp")
+ON_HILLS = ("BattleStarted", "HillHeld")
 ON_ROBOTS = ("BattleStarted", "PickedUp", "EffectEnded", "Left", "Unseated", "RobotGone", "BattleEnded")
 
 Events = Iterable[tuple[float, str, Mapping[str, Any]]]
@@ -53,6 +54,19 @@ def effects(recorded: Events) -> list[dict[str, Any]]:
                 for key, effect in tuple(working.items()):
                     if _ends(kind, data, key, effect["name"]):
                         working.pop(key)["until"] = at - began
+    return found
+
+
+def points(recorded: Events) -> list[dict[str, Any]]:
+    """Each second on a hill: `at` in s since the battle began, `name` of whom, and `points` since then."""
+    began = 0.0
+    found = []
+    for at, kind, data in recorded:
+        match kind:
+            case "BattleStarted":
+                began = at
+            case "HillHeld":
+                found.append({"at": at - began, "name": data["name"], "points": data["points"]})
     return found
 
 

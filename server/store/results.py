@@ -34,7 +34,7 @@ from server.store.clocks import Clocks
 from server.store.course import Course
 from server.store.database import AwayError, clock_of, last_battle, make_engine
 from server.store.fighters import read_courses
-from server.store.marks import ON_FLOOR, ON_ROBOTS, effects, marks
+from server.store.marks import ON_FLOOR, ON_HILLS, ON_ROBOTS, effects, marks, points
 from server.store.tally import COUNTS, SHOOTING, is_left_over, sums
 from server.store.track import join
 
@@ -165,6 +165,11 @@ class Results:
         """What worked for whom in that battle, see server.store.marks."""
         with self._reading() as connection:
             return effects(_events(connection, battle, ON_ROBOTS))
+
+    def points(self, battle: int) -> list[dict[str, Any]]:
+        """Who was on a hill in that battle, see server.store.marks."""
+        with self._reading() as connection:
+            return points(_events(connection, battle, ON_HILLS))
 
     def leaderboard(self, begin: float, end: float) -> list[Standing]:
         """The most wins, in battles that began from `begin` to before `end`; equals by fewer hits per battle."""

@@ -100,6 +100,7 @@ def test_a_battle_is_played_again_on_the_floor(played: Played, page: Page, scree
         assert not is_at(*told[other])
     slider.press("End")
     expect(floor).to_have_attribute("aria-label", "The arena seen from above, Jörg 100%, Bob out")
+    expect(page.locator("#replay-news")).to_contain_text("Bob: left")
     slider.fill("2")
     page.locator(".replay").screenshot(path=screenshots / f"results-replay-{width}.png")
     page.screenshot(path=screenshots / f"results-replay-page-{width}.png", full_page=True)

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { clock, fighterAt, lengthOf, playersAt, poseAt, robotsAt } from "../../../server/static/js/results/replay.js";
+import { clock, fighterAt, lengthOf, newsAt, playersAt, pointsAt, poseAt, robotsAt } from "../../../server/static/js/results/replay.js";
 
 const track = {
   times: [1, 2, 4],
@@ -75,6 +75,17 @@ test("what was picked up works until it has ended, or to the end", () => {
   const of = (at) => playersAt(battle, at).players.map(({ shield, doubleDamage }) => [shield, doubleDamage]);
   const [none, one, both, other] = [[false, false], [true, false], [true, true], [false, true]];
   assert.deepEqual([1.9, 2, 5, 10, 99].map(of), [[none, none], [one, none], [both, none], [other, none], [other, none]]);
+});
+
+test("what has happened is told for a while, the newest three at once", () => {
+  const battle = { timeline: [{ at: 2 }, { at: 5 }, { at: 5.5 }, { at: 5.5 }, { at: 20 }] };
+  assert.deepEqual([1.9, 2, 5, 5.5, 9.2, 9.5].map((at) => newsAt(battle, at)), [[], [0], [1, 0], [3, 2, 1], [3, 2], []]);
+});
+
+test("the points of hills run with the battle", () => {
+  const points = [{ at: 3, name: "ada", points: 1 }, { at: 4, name: "ada", points: 2 }, { at: 7, name: "bob", points: 1 }];
+  const of = (at) => [...pointsAt({ points }, at)];
+  assert.deepEqual([2.9, 3, 6, 99].map(of), [[], [["ada", 1]], [["ada", 2]], [["ada", 2], ["bob", 1]]]);
 });
 
 test("a battle that has not ended is as long as its track", () => {

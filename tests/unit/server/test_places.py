@@ -19,6 +19,7 @@ from server.game.users import User
 from server.ros.status import to_message
 from server.store.course import courses
 from server.store.marks import effects, marks
+from server.store.marks import points as points_of_hills
 from server.web.watch import public_status
 from tests.unit.server.conftest import Match
 
@@ -422,6 +423,41 @@ def test_the_course_of_a_battle_tells_repairs_from_hits(laid):
     ada, bob = courses(recorded)
     assert (ada.hits, ada.life, [change.what for change in ada.changes][-2:]) == (6, 70, ["hit", "repair"])
     assert (bob.hits, bob.life) == (10, 0)
+
+
+def test_the_course_of_a_battle_tells_who_takes_a_hill_and_not_each_second_on_it():
+    match = new_game(Rules(hill=True), "ada", "bob")
+    on_hill = (2.0, 1, EAST)
+    for poses in ((on_hill, AWAY), (AWAY, on_hill), (on_hill, AWAY)):
+        stay(match, 3.2, *poses)
+    recorded = kept(match)
+    ada, bob = courses(recorded)
+    assert [[change[1:] for change in course.changes] for course in (ada, bob)] == [
+        [("hill", 100, "")] * 2,
+        [("hill", 100, "")],
+    ]
+    told = points_of_hills(recorded)
+    assert [(one["name"], one["points"]) for one in told][:4] == [("ada", 1), ("ada", 2), ("ada", 3), ("bob", 1)]
+    assert told[0]["at"] == pytest.approx(ada.changes[0].at)
+
+
+def test_a_team_takes_a_hill_once():
+    fighters = [{"name": name, "robot": robot, "avatar": 0, "team": 1} for robot, name in enumerate(("ada", "bob"))]
+    held = [
+        (101.0 + second, "HillHeld", {"name": name, "x": 2.0, "y": 1.0, "points": 1})
+        for second, name in enumerate(("ada", "bob"))
+    ]
+    ada, bob = courses([(100.0, "BattleStarted", {"fighters": fighters}), *held])
+    assert [change.what for change in (*ada.changes, *bob.changes)] == ["hill"]
+
+
+def test_the_course_of_a_battle_tells_who_is_stopped_at_the_edge_once(fenced):
+    for x in (0.05, 0.5, 0.05, 0.5):
+        fenced.wait(1)
+        see(fenced, (x, 1, WEST), (2, 1, WEST))
+    ada, bob = courses(kept(fenced))
+    assert [change[1:] for change in ada.changes] == [("fence", 100, "")]
+    assert bob.changes == []
 
 
 def test_a_replay_knows_when_something_lay_where():

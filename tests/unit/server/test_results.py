@@ -177,18 +177,24 @@ def test_the_time_line_has_what_happened_in_order(played, browser):
 
 
 def test_what_was_on_the_floor_and_what_it_did_is_read_from_the_events(played, browser, file):
-    assert [browser.get("/results/1.json").json[what] for what in ("places", "effects")] == [[], []]
+    assert [browser.get("/results/1.json").json[what] for what in ("places", "effects", "points")] == [[], [], []]
     spot = {"zone": "left", "kind": "shield", "x": 0.5, "y": 1.0, "radius": 0.1}
     taken = {"name": "Zoë", "robot": 0, "zone": "left", "kind": "shield", "life": 80, "seconds": 8.0}
     with closing(sqlite3.connect(file)) as connection:
         ((began,),) = connection.execute("SELECT began FROM battles WHERE id = 1").fetchall()
-    for at, kind, data in ((1, "PickUpLaid", spot), (2, "PickedUp", taken)):
+    held = {"name": "Zoë", "robot": 0, "points": 1, "x": 1.0, "y": 1.0, "radius": 0.3}
+    edge = {"name": "Zoë", "robot": 0, "ahead": True, "behind": False}
+    happened = ((1, "PickUpLaid", spot), (2, "PickedUp", taken), (3, "HillHeld", held), (4, "Fenced", edge))
+    for at, kind, data in happened:
         row = began + at, 1, kind, json.dumps(data)
         change(file, "INSERT INTO events (at, battle, kind, data, arena) VALUES (?, ?, ?, ?, '')", *row)
     found = browser.get("/results/1.json").json
-    (place,), (effect,) = found["places"], found["effects"]
+    (_, place), (effect,) = found["places"], found["effects"]
     assert (place["kind"], place["since"], place["until"]) == (2, pytest.approx(1), pytest.approx(2))
     assert (effect["name"], effect["what"], effect["since"]) == ("Zoë", "shield", pytest.approx(2))
+    assert found["points"] == [{"at": pytest.approx(3), "name": "Zoë", "points": 1}]
+    page = browser.get("/results/1").text
+    assert "picked up a shield" in page and "took the hill" in page and "was stopped at the edge" in page
 
 
 def test_a_battle_that_was_seen_from_above_can_be_played_again(played, browser, file):

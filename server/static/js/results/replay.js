@@ -3,6 +3,8 @@
 import { arenaColour } from "../battle/teams.js";
 
 const FULL_LIFE = 100;
+const NEWS = 4; // s for which what has happened is told
+const MOST_NEWS = 3; // at once
 const GAP = 5; // s between two sights; in more, nobody knows the way
 
 const turn = (from, to) => ((to - from + 540) % 360) - 180; // the short way, in degrees
@@ -70,6 +72,14 @@ export function playersAt(battle, at) {
   });
   return { me: null, phase: "", players };
 }
+
+/** What has just happened, as its places in the time line, the newest first. */
+export const newsAt = ({ timeline }, at) =>
+  timeline.flatMap((moment, place) => (moment.at <= at && at < moment.at + NEWS ? [place] : [])).slice(-MOST_NEWS).reverse();
+
+/** How long fighters have held hills so far; who never has is not among them. @returns {Map<string, number>} s by name */
+export const pointsAt = ({ points }, at) =>
+  new Map(points.filter((point) => point.at <= at).map((point) => [point.name, point.points]));
 
 /** How long there is something to see, with what ends the battle; in whole ms, for a slider keeps no more digits. */
 export const lengthOf = ({ seconds, timeline, track }) =>

@@ -8,7 +8,7 @@ import { setText } from "../common/dom.js";
 import { showMoments } from "../common/local_times.js";
 import { noticeText } from "../common/notice.js";
 import { connectPreferences } from "../common/preferences.js";
-import { clock, lengthOf, placesAt, playersAt, robotsAt } from "./replay.js";
+import { clock, lengthOf, newsAt, placesAt, playersAt, pointsAt, robotsAt } from "./replay.js";
 import { t } from "../common/words.js";
 
 const byId = (id) => document.getElementById(id);
@@ -39,8 +39,15 @@ class Floor {
   }
 }
 
+/** What happened, in the words of the page's table; empty if it was later than the page. */
+function inTable(place) {
+  const row = document.querySelectorAll("#happened tbody tr")[place];
+  return row ? `${row.cells[1].textContent}: ${row.cells[2].textContent}` : "";
+}
+
 /** Time, the button and the slider. */
 class Player {
+  #battle;
   #floor;
   #length;
   #at = 0;
@@ -48,6 +55,7 @@ class Player {
   #next = null; // the frame that was asked for, null while nothing plays
 
   constructor(battle) {
+    this.#battle = battle;
     this.#floor = new Floor(battle, byId("replay-floor"));
     this.#length = lengthOf(battle);
     byId("replay-time").max = this.#length;
@@ -91,6 +99,9 @@ class Player {
     slider.setAttribute("aria-valuetext", text);
     setText(byId("replay-clock"), text);
     this.#floor.show(this.#at);
+    setText(byId("replay-news"), newsAt(this.#battle, this.#at).map(inTable).filter(Boolean).join(" · "));
+    const points = [...pointsAt(this.#battle, this.#at)].map(([name, n]) => t("replay.points", { name, n }));
+    setText(byId("replay-points"), points.join(" · "));
   }
 }
 
