@@ -44,6 +44,8 @@ ABOVE = 255  # stands for a robot's ID where the camera above the floor is meant
 
 # with which the relay asks for a camera's pictures: no page can send it to another origin
 RELAY_HEADER = "X-Laserbot-Relay"
+# of each picture of a camera that can be asked for fewer than so many a second, by `rate` in the query
+RATE_HEADER = "X-Laserbot-Rate"
 # of a request that came by the front: all of the game is below one address (server/front)
 FRONT_HEADER = "X-Laserbot-Front"
 SESSION_COOKIE = "laserbot_session"

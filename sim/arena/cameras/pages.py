@@ -5,13 +5,14 @@ see, /overhead/stream and /overhead/snapshot of the floor from above.
 import asyncio
 import contextlib
 import logging
+import re
 import socket
 from collections.abc import AsyncIterator, Iterator
 from functools import partial
 
 from aiohttp import web
 
-from laser_bot_battle.names import RELAY_HEADER
+from laser_bot_battle.names import RATE_HEADER, RELAY_HEADER
 from sim.arena.ambient import Ambient
 from sim.arena.cameras.scene import Room, Scene
 from sim.arena.cameras.streams import Eye, Picture, Streams, scene_of
@@ -31,6 +32,7 @@ OVERHEAD_RATE = 15
 OVERHEAD_UNSENT = 262_144  # bytes; its pictures are larger, and come late through less
 OVERHEAD = "/overhead"
 
+_RATE = re.compile(r"[1-9][0-9]{0,2}")
 _log = logging.getLogger(__name__)
 
 
@@ -70,19 +72,20 @@ class CameraPages:
 
     async def _stream(self, request: web.Request) -> web.StreamResponse:
         streams, name = self._admitted(request)
+        rate = _wanted_rate(request, streams.rate)
         kind = f"multipart/x-mixed-replace;boundary={BOUNDARY}"
         stream = web.StreamResponse(headers={**HEADERS, "Content-Type": kind})
         stream.force_close()  # nothing can follow a stream
         if request.method == "HEAD":
             return stream
-        with _looking(streams, name) as eye:
+        with _looking(streams, name, rate) as eye:
             await stream.prepare(request)
             _keep_little(request, OVERHEAD_UNSENT if streams is self._overhead else MAX_UNSENT)
             try:
                 await self._send(request, stream, f"--{BOUNDARY}\r\n".encode())
                 picture = None
                 while (picture := await eye.after(picture)) is not None:
-                    await self._send(request, stream, part_of(picture))
+                    await self._send(request, stream, part_of(picture, streams.rate))
             except TimeoutError:
                 _log.warning("one who looks through the eyes of %s has stopped reading: disconnected", name)
                 _hang_up(request)
@@ -94,7 +97,7 @@ class CameraPages:
         streams, name = self._admitted(request)
         if request.method == "HEAD":
             return web.Response(headers=HEADERS, content_type="image/jpeg")
-        with _looking(streams, name) as eye:
+        with _looking(streams, name, streams.rate) as eye:
             try:
                 async with asyncio.timeout(SNAPSHOT_SECONDS):
                     picture = await eye.after(None)
@@ -134,18 +137,26 @@ class CameraPages:
 
 
 @contextlib.contextmanager
-def _looking(streams: Streams, name: str) -> Iterator[Eye]:
-    eye = streams.open(name)
+def _looking(streams: Streams, name: str, rate: int) -> Iterator[Eye]:
+    eye = streams.open(name, rate)
     try:
         yield eye
     finally:
-        streams.leave(name, eye)
+        streams.leave(name, eye, rate)
 
 
-def part_of(picture: Picture) -> bytes:
-    """A part of the stream, and the boundary after it."""
+def _wanted_rate(request: web.Request, full: int) -> int:
+    """The pictures/s that the query asks for."""
+    rate = request.query.get("rate", str(full))
+    if not _RATE.fullmatch(rate) or int(rate) > full:
+        raise web.HTTPBadRequest(text=f"rate must be a whole number of pictures a second, from 1 to {full}")
+    return int(rate)
+
+
+def part_of(picture: Picture, full: int) -> bytes:
+    """A part of the stream, and the boundary after it. `full` is the most pictures/s that one can ask for."""
     head = f"Content-Type: image/jpeg\r\nContent-Length: {len(picture.jpeg)}\r\nX-Timestamp: {picture.taken:.6f}\r\n"
-    return f"{head}\r\n".encode() + picture.jpeg + f"\r\n--{BOUNDARY}\r\n".encode()
+    return f"{head}{RATE_HEADER}: {full}\r\n\r\n".encode() + picture.jpeg + f"\r\n--{BOUNDARY}\r\n".encode()
 
 
 def _keep_little(request: web.Request, unsent: int) -> None:

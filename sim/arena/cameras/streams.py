@@ -28,9 +28,10 @@ class Picture(NamedTuple):
 class Eye:
     """An eye while somebody looks through it: the newest picture, and a bell for the next one."""
 
-    lookers: int = 0
+    rates: list[int] = field(default_factory=list)  # pictures/s that each who looks wants
     picture: Picture | None = None
     closed: bool = False  # the robot has left, or the arena ends
+    _progress: int = 0  # grows by the rate in each of the painter's turns; at the full rate, a picture is due
     _bell: asyncio.Event = field(default_factory=asyncio.Event)
 
     async def after(self, last: Picture | None) -> Picture | None:
@@ -38,6 +39,15 @@ class Eye:
         while self.picture is last and not self.closed:
             await self._bell.wait()
         return None if self.closed else self.picture
+
+    def is_due(self, full: int) -> bool:
+        """Whether a picture is painted now. To be called once in each of the painter's turns, which are `full` a
+        second."""
+        self._progress += max(self.rates)
+        if self.picture and self._progress < full:
+            return False
+        self._progress = max(0, self._progress - full)
+        return True
 
     def show(self, picture: Picture) -> None:
         self.picture = picture
@@ -56,12 +66,12 @@ class Streams:
     """The eyes that somebody looks through. For the event loop's thread."""
 
     def __init__(
-        self, painter: str, room: bytes, rate: float, scene: Callable[[str, float, float], Scene | None]
+        self, painter: str, room: bytes, rate: int, scene: Callable[[str, float, float], Scene | None]
     ) -> None:
-        """`painter` is the module of a process that gets `room` and then scenes, `rate` a second of each eye. `scene`
-        has the eye's name, the time of the arena's clock and Unix time, both in s, and returns None once there is
-        no such eye."""
-        self._painter, self._room, self._rate, self._scene = painter, room, rate, scene
+        """`painter` is the module of a process that gets `room` and then scenes, at most `rate` a second of each eye.
+        `scene` has the eye's name, the time of the arena's clock and Unix time, both in s, and returns None once
+        there is no such eye."""
+        self._painter, self._room, self.rate, self._scene = painter, room, rate, scene
         self._eyes: dict[str, Eye] = {}
         self._wanted = asyncio.Event()
         self._lookers = 0
@@ -70,18 +80,19 @@ class Streams:
     def lookers(self) -> int:
         return self._lookers
 
-    def open(self, name: str) -> Eye:
-        """One more looks through the eye `name`, until `leave` is called."""
+    def open(self, name: str, rate: int) -> Eye:
+        """One more looks through the eye `name`, until `leave` is called, and wants `rate` pictures/s. It gets more
+        while somebody else wants more."""
         eye = self._eyes.setdefault(name, Eye())
-        eye.lookers += 1
+        eye.rates.append(rate)
         self._lookers += 1
         self._wanted.set()
         return eye
 
-    def leave(self, name: str, eye: Eye) -> None:
-        eye.lookers -= 1
+    def leave(self, name: str, eye: Eye, rate: int) -> None:
+        eye.rates.remove(rate)
         self._lookers -= 1
-        if not eye.lookers and self._eyes.get(name) is eye:
+        if not eye.rates and self._eyes.get(name) is eye:
             del self._eyes[name]
         if not self._eyes:
             self._wanted.clear()
@@ -107,7 +118,7 @@ class Streams:
         loop = asyncio.get_running_loop()
         due = loop.time()
         while await self._is_wanted():
-            for name, eye in list(self._eyes.items()):
+            for name, eye in [item for item in self._eyes.items() if item[1].is_due(self.rate)]:
                 scene = self._scene(name, loop.time(), time.time())
                 if scene:
                     eye.show(Picture(scene.taken, await painters.paint(scene)))
@@ -116,7 +127,7 @@ class Streams:
                     eye.close()
             if not self._eyes:
                 self._wanted.clear()
-            due = max(due + 1 / self._rate, loop.time())  # pictures for which there was no time are left out
+            due = max(due + 1 / self.rate, loop.time())  # pictures for which there was no time are left out
             await asyncio.sleep(due - loop.time())
 
     async def _is_wanted(self) -> bool:

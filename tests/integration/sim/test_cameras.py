@@ -145,6 +145,19 @@ def test_who_asks_for_an_unknown_robot_hears_which_there_are(arena: Arena, path:
     assert answer.text == "no robot virtual7 is on the floor; there are: guest, virtual1"
 
 
+@pytest.mark.usefixtures("robot")
+def test_one_can_ask_for_fewer_pictures_and_is_told_how_many_there_could_be(arena: Arena) -> None:
+    with looking(arena) as stream:
+        part = stream.part()
+    assert part
+    assert part.headers["x-laserbot-rate"] == str(RATE)
+    assert get(arena, "eyes/virtual1/stream?rate=5").status_code == 200
+    for rate in ("0", str(RATE + 1), "-5", "2.5", "many", ""):
+        answer = get(arena, f"eyes/virtual1/stream?rate={rate}")
+        assert answer.status_code == 400
+        assert answer.text == f"rate must be a whole number of pictures a second, from 1 to {RATE}"
+
+
 @pytest.mark.parametrize("path", ["stream", "snapshot"])
 @pytest.mark.usefixtures("robot")
 def test_only_the_head_costs_no_picture_and_nothing_can_be_sent(arena: Arena, path: str) -> None:
