@@ -1,6 +1,7 @@
 """One camera, as long as somebody looks through it: found, connected to, and tried again when it is lost."""
 
 import asyncio
+import contextlib
 import logging
 import time
 from collections.abc import Awaitable, Callable
@@ -10,7 +11,8 @@ from laser_bot_battle.names import ABOVE, robot_node
 from server.camera.budget import Meter
 from server.camera.clock import ClockOffset
 from server.camera.multipart import Part, StreamError
-from server.camera.picture import Picture, dated, picture_of
+from server.camera.pace import Pace
+from server.camera.picture import Picture, dated, full_rate_of, picture_of
 from server.camera.stream import Address, follow
 from server.camera.viewer import Viewer
 
@@ -18,6 +20,10 @@ _log = logging.getLogger(__name__)
 
 LIVE, WAITING, NONE = "live", "waiting", "none"
 RETRY = 1.0  # s from one attempt to the next
+
+
+class _OtherRateError(Exception):
+    """The viewers can show more pictures a second than this stream has, or only fewer."""
 
 
 class Camera:
@@ -41,6 +47,7 @@ class Camera:
         self.viewers: set[Viewer] = set()
         self.state, self.reason = WAITING, "the camera is looked for"
         self.picture: Picture | None = None
+        self._pace = Pace()
         self._number = 0
         self._rate = Meter(self._loop.time())  # of pictures
         self._task = self._loop.create_task(self._run())
@@ -49,9 +56,16 @@ class Camera:
         """End the connection."""
         self._task.cancel()
 
+    def add(self, viewer: Viewer) -> None:
+        """One more looks through the camera."""
+        self.viewers.add(viewer)
+        self._pace.restart()
+
     def mark(self, now: float) -> None:
-        """To be called now and then: the rate is measured."""
+        """To be called now and then: rates are measured."""
         self._rate.mark(now)
+        for viewer in self.viewers:
+            viewer.mark(now)
 
     def metrics(self, now: float) -> dict[str, object]:
         """For operators."""
@@ -69,7 +83,7 @@ class Camera:
         while True:
             began = self._loop.time()
             try:
-                await follow(await self._find(), partial(self._received, ClockOffset()))
+                await self._look(await self._find())
             except LookupError:
                 self._become(NONE)
             except StreamError as error:
@@ -80,7 +94,17 @@ class Camera:
             self.picture = None
             await asyncio.sleep(began + RETRY - self._loop.time())
 
-    def _received(self, offset: ClockOffset, part: Part) -> None:
+    async def _look(self, address: Address) -> None:
+        """At the rate that the viewers can show: another one begins with the next picture, and viewers hear nothing of
+        the change."""
+        offset = ClockOffset()
+        self._pace.restart()  # what is there now may be another camera
+        while True:
+            rate = self._pace.rate
+            with contextlib.suppress(_OtherRateError):
+                await follow(address.at(rate), partial(self._received, offset, rate))
+
+    def _received(self, offset: ClockOffset, rate: int, part: Part) -> None:
         self._number += 1
         now = time.time()
         if self.robot == ABOVE:  # any program may send its pictures
@@ -93,6 +117,18 @@ class Camera:
         else:
             self._become(WAITING, "the camera is away")
         self._pictured(self, picture)
+        self._judge(full_rate_of(part))
+        if self._pace.rate != rate:
+            raise _OtherRateError
+
+    def _judge(self, full: int) -> None:
+        now = self._loop.time()
+        if not full:
+            self._pace.restart()
+        elif self.viewers:
+            shown = max(viewer.rate(now) for viewer in self.viewers)
+            complete = max(viewer.complete(now) for viewer in self.viewers)
+            self._pace.judge(full, shown, complete, now)
 
     def _become(self, state: str, reason: str = "") -> None:
         if (state, reason) != (self.state, self.reason):

@@ -1,13 +1,16 @@
 """A picture on its way: out of a part of the camera's stream, into a message for viewers (docs/protocol-camera.md)."""
 
 import math
+import re
 import struct
 from typing import NamedTuple
 
+from laser_bot_battle.names import RATE_HEADER
 from server.camera.clock import ClockOffset
 from server.camera.multipart import Part, StreamError
 
 _HEADER = struct.Struct("<B3xIdd")  # robot, number, taken, sent
+_RATE = re.compile(r"[1-9][0-9]{0,2}")
 _BEGIN, _END = b"\xff\xd8\xff", b"\xff\xd9"
 
 
@@ -26,6 +29,12 @@ class Picture(NamedTuple):
 def dated(part: Part, now: float) -> Part:
     """With a time, at Unix time `now` in s: a camera that tells none took it, as far as anybody knows, when it came."""
     return part if "x-timestamp" in part.headers else Part({**part.headers, "x-timestamp": f"{now:.6f}"}, part.body)
+
+
+def full_rate_of(part: Part) -> int:
+    """The pictures/s that the camera sends unless asked for fewer; 0 of a camera that cannot be asked."""
+    told = part.headers.get(RATE_HEADER.lower(), "")
+    return int(told) if _RATE.fullmatch(told) else 0
 
 
 def picture_of(part: Part, robot: int, number: int, offset: ClockOffset, received: float) -> Picture:

@@ -203,9 +203,9 @@ class Relay:
         if robot is not None:
             if robot not in self._cameras:
                 self._cameras[robot] = Camera(robot, partial(self._find, robot), self._pictured, self._changed)
-            self._cameras[robot].viewers.add(viewer)
+            self._cameras[robot].add(viewer)
             newest = self._cameras[robot].picture
-        viewer.turn(robot, newest)
+        viewer.turn(robot, newest, self._loop.time())
 
     # ---- where cameras are ----
 
@@ -243,8 +243,9 @@ class Relay:
 
     def _pictured(self, camera: Camera, picture: Picture) -> None:
         self._traffic.received += 1
+        now = self._loop.time()
         for viewer in camera.viewers:
-            viewer.offer(picture)
+            viewer.offer(picture, now)
             self._serve(viewer)
 
     def _serve(self, viewer: Viewer) -> None:

@@ -39,6 +39,10 @@ class Address(NamedTuple):
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"{host}:{self.port}"
 
+    def at(self, rate: int) -> "Address":
+        """With so many pictures/s, for a camera that has told its full rate; 0: with all."""
+        return self._replace(target=f"{self.target}{'&' if '?' in self.target else '?'}rate={rate}") if rate else self
+
 
 def address_of(value: object) -> Address:
     """The address that a robot's parameter holds. StreamError for anything else than http://host:port/path: whoever

@@ -1,6 +1,7 @@
 """Somebody who looks: which camera's newest picture is next, and how many are on their way. Pure."""
 
 from server.access.identity import Claim, Identity
+from server.camera.budget import Meter
 from server.camera.picture import Picture
 from server.websocket.requests import dumps
 
@@ -8,7 +9,7 @@ CREDITS = 2  # pictures that may be on their way to a viewer
 
 
 class Viewer:
-    """One WebSocket. A slow viewer's next picture gives way to a newer one."""
+    """One WebSocket. A slow viewer's next picture gives way to a newer one. Time is a monotonic clock in s."""
 
     def __init__(self, identity: Identity, address: str) -> None:
         self.identity, self.address = identity, address
@@ -18,17 +19,22 @@ class Viewer:
         self._next: Picture | None = None
         self._unseen = 0
         self._told = ""
+        self._rate = Meter(0.0)  # of the pictures taken
+        self._missed = 0.0  # when a picture gave way last
 
     def watch(self, robot: int | None) -> None:
         """A new wish: nobody waits for words about the pictures before."""
         self.wish, self._unseen, self._told = robot, 0, ""
 
-    def turn(self, robot: int | None, newest: Picture | None) -> None:
+    def turn(self, robot: int | None, newest: Picture | None, now: float) -> None:
         """Look through that camera from now on."""
         self.robot, self._next = robot, newest
+        self._rate, self._missed = Meter(now), now
 
-    def offer(self, picture: Picture) -> None:
+    def offer(self, picture: Picture, now: float) -> None:
         """There is a newer picture of the camera."""
+        if self._next is not None:
+            self._missed = now
         self._next = picture
 
     def seen(self) -> None:
@@ -45,7 +51,20 @@ class Viewer:
         assert self._next is not None
         picture, self._next = self._next, None
         self._unseen += 1
+        self._rate.add(1)
         return picture
+
+    def mark(self, now: float) -> None:
+        """To be called now and then: the rate is measured."""
+        self._rate.mark(now)
+
+    def rate(self, now: float) -> float:
+        """The pictures/s that it takes."""
+        return self._rate.rate(now)
+
+    def complete(self, now: float) -> float:
+        """The s for which it has missed no picture."""
+        return now - self._missed
 
     def news(self, state: str, reason: str = "") -> str:
         """What to tell of the wish; empty when that has been told."""

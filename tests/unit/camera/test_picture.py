@@ -6,7 +6,7 @@ import pytest
 
 from server.camera.clock import ClockOffset
 from server.camera.multipart import Parts, StreamError
-from server.camera.picture import Picture, dated, picture_of
+from server.camera.picture import Picture, dated, full_rate_of, picture_of
 from tests.unit.camera.parts import BOUNDARY, JPEG, part
 
 RECEIVED = 2000.0
@@ -62,3 +62,14 @@ def test_a_camera_without_a_clock_takes_its_pictures_when_they_come() -> None:
     assert picture_of(dated(one, RECEIVED), 3, 1, ClockOffset(), RECEIVED).taken == RECEIVED
     (other,) = Parts(BOUNDARY).feed(part(JPEG, X_Timestamp="1000.000000"))
     assert dated(other, RECEIVED) is other
+
+
+@pytest.mark.parametrize(("told", "rate"), [("20", 20), ("0", 0), ("-5", 0), ("1000", 0), ("1e2", 0), ("", 0)])
+def test_a_camera_that_can_be_asked_for_fewer_tells_its_full_rate(told: str, rate: int) -> None:
+    (one,) = Parts(BOUNDARY).feed(part(X_Laserbot_Rate=told))
+    assert full_rate_of(one) == rate
+
+
+def test_other_cameras_are_not_asked() -> None:
+    (one,) = Parts(BOUNDARY).feed(part())
+    assert full_rate_of(one) == 0

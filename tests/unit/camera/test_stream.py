@@ -51,3 +51,10 @@ def test_the_whole_address_of_a_stream(url: str) -> None:
 )
 def test_what_is_no_stream(value: object) -> None:
     assert stream_of(value) is None
+
+
+def test_a_rate_stands_in_the_query() -> None:
+    eyes, above = Address("a", 1, "/eyes/a/stream?extra_headers=1"), Address("a", 1, "/overhead/stream")
+    assert eyes.at(5).target == "/eyes/a/stream?extra_headers=1&rate=5"
+    assert above.at(7).target == "/overhead/stream?rate=7"
+    assert eyes.at(0) == eyes
