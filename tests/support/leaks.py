@@ -77,8 +77,10 @@ def children() -> set[str]:
             with contextlib.suppress(psutil.Error):
                 process = psutil.Process(int(pid))
                 command = " ".join(process.cmdline())
-                # ssh keeps a connection for the next play, and ends it; -W is what that goes through
+                # ssh keeps a connection for the next play, and ends it; -W is what that goes through. multiprocessing
+                # keeps its tracker for as long as this process lives.
                 kept = "[mux]" in command or (command.startswith("ssh ") and " -W " in command)
+                kept = kept or "multiprocessing.resource_tracker" in command
                 if process.status() != psutil.STATUS_ZOMBIE and not kept and process.pid not in lasting:
                     found.add(f"process {pid}: {command}")
     return found
