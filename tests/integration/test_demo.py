@@ -136,10 +136,10 @@ def test_robots_can_be_hit_by_the_light_of_either_rule(demo: Demo, light: str) -
 
 
 @pytest.mark.slow
-def test_with_a_camera_above_robots_have_the_places_that_it_sees() -> None:
+def test_with_a_camera_above_robots_have_the_places_that_it_sees_and_a_bot_drives_by_them() -> None:
     options = ("--overhead", "--overhead-tilt=10", "--overhead-lens=-0.2", "--overhead-height=3")
     with (
-        Battle(2, 0, *options, LASERBOT_OPERATOR_TOKEN="the hall is open") as battle,
+        Battle(2, 1, *options, LASERBOT_OPERATOR_TOKEN="the hall is open", LASERBOT_COUNTDOWN="1") as battle,
         Eyes(battle) as eyes,
         connect(battle.bridge) as bridge,
     ):
@@ -156,6 +156,10 @@ def test_with_a_camera_above_robots_have_the_places_that_it_sees() -> None:
             assert math.dist(found[number], (robot["x"], robot["y"])) < 0.015
         commands = [command_line(part) for part in descendants(battle.program.process.pid)]
         assert not any("sim.positions" in command for command in commands)
+        with Player(battle, "Ann") as ann:
+            (bots,) = set(found) - {ann.robot}
+            ann.ready()
+            until(lambda: math.dist(places().get(bots, found[bots]), found[bots]) > 0.2, 30, "the bot has driven on")
 
 
 def test_a_port_in_use_is_one_clear_line() -> None:
