@@ -163,11 +163,16 @@ def test_changed_knobs_restart_only_what_they_concern(rehearsal: Rehearsal) -> N
     assert [started(machine) for machine in rehearsal.machines.values()] == before
 
 
-def test_the_master_is_watched_as_long_as_its_operator_wants(rehearsal: Rehearsal, tmp_path: Path) -> None:
-    """By Debian's Prometheus and Alertmanager, with the operator's word whom to tell; then nothing is left of them."""
+def test_the_master_is_watched_and_has_an_eye_above_as_long_as_its_operator_wants(
+    rehearsal: Rehearsal, tmp_path: Path
+) -> None:
+    """By Debian's Prometheus and Alertmanager, with the operator's word whom to tell, and the tracker of the camera
+    above the floor; then nothing is left of them."""
     own = tmp_path / "alertmanager.yml"
     own.write_text((ROOT / "monitoring/alertmanager.yml").read_text().replace("operators", "my_phone"))
-    knobs = "--extra-vars=" + json.dumps({"master_monitoring": True, "master_alertmanager": str(own)})
+    camera = "http://127.0.0.1:9/stream"  # nothing is there: the tracker goes on asking
+    watched = {"master_monitoring": True, "master_alertmanager": str(own), "master_overhead_camera": camera}
+    knobs = f"--extra-vars={json.dumps(watched)}"
     master = rehearsal.master
     before = packages(master.run), settings(master.run), started(master)
     try:
@@ -176,11 +181,13 @@ def test_the_master_is_watched_as_long_as_its_operator_wants(rehearsal: Rehearsa
         assert rehearsal.playbook("deploy", knobs).changed == 0
         checked = rehearsal.playbook("check", knobs, "--limit=laser_bot_master").output
         assert re.search("prometheus sees the masters programs +ok", checked), checked
+        assert master.container("laserbot-overhead")["State"]["Running"]
         assert "my_phone" in master.run("amtool config show --alertmanager.url=http://127.0.0.1:9211")
     finally:
         rehearsal.playbook("deploy")
     assert rehearsal.playbook("deploy").changed == 0
     assert (packages(master.run), settings(master.run), started(master)) == before, "as before, and the game went on"
+    assert "overhead" not in master.run("docker ps --all")
 
 
 def test_the_services_stop_and_start(rehearsal: Rehearsal) -> None:

@@ -1,4 +1,5 @@
-"""The profiles master, monitoring and robot of compose.yaml: a battle without any typed address, and who watches it.
+"""compose.yaml's profiles master, overhead, monitoring and robot: a battle without any typed address, and who watches
+it.
 
 A machine is a container that only holds the network and the host name; what compose would start on the host's network
 starts on that one.
@@ -174,7 +175,10 @@ def test_robots_find_the_master_and_a_battle_is_played(
 
 @pytest.mark.usefixtures("avahi_folder")
 def test_a_program_that_stops_is_an_alert(version: str, network: str, tmp_path: Path) -> None:
-    with Machine("hall", network, "master monitoring", tmp_path, version) as hall:
+    camera = "http://127.0.0.1:9/stream"  # nothing is there: the tracker goes on asking
+    with Machine(
+        "hall", network, "master overhead monitoring", tmp_path, version, LASERBOT_OVERHEAD_CAMERA=camera
+    ) as hall:
 
         def up() -> dict[str, str]:
             answer = hall.read("http://127.0.0.1:9210/api/v1/query?query=up")
@@ -184,7 +188,8 @@ def test_a_program_that_stops_is_an_alert(version: str, network: str, tmp_path: 
             return [alert["annotations"]["summary"] for alert in hall.read("http://127.0.0.1:9211/api/v2/alerts")]
 
         hall.wait_until_healthy()
-        until(lambda: up() == {"web": "1", "rosbridge": "1", "relay": "1"}, 30, "Prometheus has asked all of them")
+        programs = "web", "rosbridge", "relay", "overhead"
+        until(lambda: up() == dict.fromkeys(programs, "1"), 30, "Prometheus has asked all of them")
         hall.compose("stop", "camera-relay")
         until(lambda: "relay does not answer." in alerts(), 90, "Alertmanager has heard of it")
 
