@@ -65,7 +65,8 @@ def _serve(settings: Settings, listener: Listener) -> int:
     arenas = Arenas(settings.arenas)
     watcher = Watcher(settings.arenas, lambda name, seen: arenas.hear(name, seen, time.monotonic()))
     channels: dict[int, wasyncore.dispatcher] = {}
-    application = create_entrance(settings, arenas, Results(settings.database))
+    results = Results(settings.database)
+    application = create_entrance(settings, arenas, results)
     web = FairServer(application, listener, channels, _lane, settings.proxies)
     parts = [
         threading.Thread(target=web.run, name="web server", daemon=True),
@@ -84,6 +85,7 @@ def _serve(settings: Settings, listener: Listener) -> int:
     with suppress(OSError):  # the loop was awake, and has closed the trigger before it was pulled
         web.trigger.pull_trigger(lambda: wasyncore.close_all(channels))  # in its thread: it may be accepting now
     parts[0].join(_CLOSE_WITHIN)
+    results.close()
     return 0
 
 

@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 from sqlalchemy import URL, Connection, Engine, Row, create_engine, delete, event, func, insert, select, update
 from sqlalchemy.exc import DatabaseError
-from sqlalchemy.pool import ConnectionPoolEntry, NullPool
+from sqlalchemy.pool import ConnectionPoolEntry
 
 from server.game import events
 from server.game.events import Recorded, from_json, kind_of, to_json
@@ -504,15 +504,13 @@ def _keep_robot(connection: Connection, arena: str, caller: str, robot: int) -> 
     connection.execute(insert(schema.robots).values(arena=arena, caller=caller, robot=robot))
 
 
-def make_engine(url: URL, busy: float = _BUSY, *, keeps_connection: bool = True) -> Engine:
+def make_engine(url: URL, busy: float = _BUSY) -> Engine:
     """By which the database at `url` is written and read. `busy`: s that a statement may wait for another program, and
     for a server's answer. A server has some hundred connections for all arenas: of each engine at most one is kept,
     others end with what they were made for."""
     if url.get_backend_name() != "sqlite":
         # it writes a traceback for each connection that the other end has broken; what is wrong is told by us, once
         logging.getLogger("sqlalchemy.pool").setLevel(logging.CRITICAL)
-        if not keeps_connection:
-            return create_engine(url, connect_args={"timeout": busy}, poolclass=NullPool)
         return create_engine(url, connect_args={"timeout": busy}, pool_pre_ping=True, pool_size=1, max_overflow=9)
     engine = create_engine(url, connect_args={"timeout": busy})
 

@@ -1,9 +1,11 @@
 """What was played: battles and the leaderboard, read beside the thread that writes (see database.py)."""
 
+import math
 import threading
+import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass, replace
 from itertools import groupby
 from pathlib import Path
 from typing import Any
@@ -42,6 +44,8 @@ MAX_PLAYERS = 500  # in a leaderboard
 _READERS = 2  # at a time: a database that is away does not hold up the pages that need none
 _TURN_WITHIN = 2.0  # s to wait for one's turn
 _BUSY = 1.0  # s that a query may wait for a program that holds the file
+_IDLE = 3.0  # s after its last use that a connection to a server is closed: to log in takes longer than most queries
+_COUNT_AGAIN = 60.0  # s until all battles are counted anew; of a million that takes longer than reading a page of them
 
 
 class BusyError(Exception):
@@ -115,6 +119,21 @@ def accuracy(given: int | None, shots: int | None) -> float | None:
     return min(1.0, given / shots) if given is not None and shots else None
 
 
+@dataclass(frozen=True, slots=True)
+class Count:
+    """Of all battles: `now` counts those that have come since, and all of them once a minute."""
+
+    battles: int = 0
+    last: int = 0  # ID of the newest of them
+    began: float = -math.inf  # monotonic s, when all were counted; since then only new ones
+
+    def now(self, connection: Connection, now: float) -> "Count":
+        known = self if now - self.began < _COUNT_AGAIN else Count(began=now)
+        ids = schema.battles.c.id
+        more, last = connection.execute(select(func.count(), func.max(ids)).where(ids > known.last)).one()
+        return replace(known, battles=known.battles + more, last=last or known.last)
+
+
 class Results:
     """Thread-safe. Each method raises AwayError or BusyError when it cannot answer now."""
 
@@ -123,6 +142,16 @@ class Results:
         self._files = _files(url)
         self._clocks = clocks or Clocks()
         self._turns = threading.BoundedSemaphore(_READERS)
+        self._users = 0  # of a server
+        self._closer = threading.Timer(_IDLE, self._close_unused)
+        self._closing = threading.Lock()
+        self._count = Count()
+
+    def close(self) -> None:
+        """The connection to a server."""
+        with self._closing:
+            self._closer.cancel()
+            self._engine.dispose()
 
     def mark(self) -> object:
         """What is another one after each change; None where that is not known."""
@@ -131,11 +160,13 @@ class Results:
     def battles(self, page: int, size: int) -> tuple[list[Battle], int]:
         """Those of a page, newest first (page 1 has the newest), and how many there are in all."""
         with self._reading() as connection:
-            total = connection.scalar(select(func.count()).select_from(schema.battles)) or 0
+            # a file is quickly counted, and another one may be in its place
+            known = Count() if self._files else self._count
+            self._count = count = known.now(connection, time.monotonic())
             rows = connection.execute(
                 select(schema.battles).order_by(schema.battles.c.id.desc()).limit(size).offset((page - 1) * size)
             ).all()
-            return _with_fighters(connection, rows, self._clocks), total
+            return _with_fighters(connection, rows, self._clocks), count.battles
 
     def battle(self, battle: int) -> tuple[Battle, list[Course]] | None:
         """The battle with that ID and how it went, None if there is none."""
@@ -217,12 +248,33 @@ class Results:
         if not self._turns.acquire(timeout=_TURN_WITHIN):
             raise BusyError
         try:
-            with self._engine.connect() as connection:
+            with nullcontext() if self._files else self._using_server(), self._engine.connect() as connection:
                 yield connection
         except (SQLAlchemyError, OSError) as error:
             raise AwayError(str(getattr(error, "orig", None) or error)) from error
         finally:
             self._turns.release()
+
+    @contextmanager
+    def _using_server(self) -> Iterator[None]:
+        """A server has some hundred connections for all arenas, so one that nobody uses is given back after a while."""
+        with self._closing:
+            self._users += 1
+            self._closer.cancel()
+        try:
+            yield
+        finally:
+            with self._closing:
+                self._users -= 1
+                if not self._users:
+                    self._closer = threading.Timer(_IDLE, self._close_unused)
+                    self._closer.daemon = True
+                    self._closer.start()
+
+    def _close_unused(self) -> None:
+        with self._closing:
+            if not self._users:
+                self._engine.dispose()
 
 
 def all_standings() -> Select[Any]:
@@ -333,9 +385,8 @@ def _look(file: Path) -> tuple[int, int, int] | None:
 
 
 def _reader(url: URL) -> Engine:
-    """A file is opened for each query, read-only: it may be put aside, restored or not be there yet. Of a server no
-    connection is kept: there may be many who read, and seldom."""
+    """A file is opened for each query, read-only: it may be put aside, restored or not be there yet."""
     if url.get_backend_name() != "sqlite" or not url.database:
-        return make_engine(url, keeps_connection=False)
+        return make_engine(url)
     file = URL.create("sqlite", database=Path(url.database).absolute().as_uri(), query={"mode": "ro", "uri": "true"})
     return create_engine(file, poolclass=NullPool, connect_args={"timeout": _BUSY})

@@ -8,13 +8,17 @@ one in ten presses Play at last. All of it on this machine, its own load include
 
 import argparse
 import asyncio
+import itertools
 import json
+import multiprocessing
 import os
 import statistics
 import tempfile
 import threading
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from typing import NamedTuple
 
@@ -38,6 +42,7 @@ from tests.support.ros import HOST
 ARENAS, BATTLES, NAMES, VISITORS = 50, 1_000_000, 100_000, 5_000
 FIGHTERS = 4  # of a battle
 HIT_EVERY = 0.5  # s, in each arena
+HITS = 40  # of a battle
 POLL = 5.0  # s between two questions of a page
 SECONDS = 30.0
 RAMP = 20.0  # s in which the visitors come
@@ -105,38 +110,40 @@ def fill(url: URL, battles: int, names: int, arenas: int) -> None:
     engine.dispose()
 
 
-class Writer:
-    """A master's database thread, in which battles are fought without an end. `times`: from an event to its commit."""
+def write(url: URL, number: int, seconds: float) -> list[float]:
+    """A master's database thread, in which battles are fought without an end. Returns the times from an event to its
+    commit, in s."""
+    database = Database(url, f"arena{number}")
+    database.open()
+    # nobody plays in two arenas at the same time
+    names = [f"p{number * FIGHTERS + place}" for place in range(FIGHTERS)]
+    starters = tuple(events.Fighter(name, robot, 0) for robot, name in enumerate(names))
+    placings = tuple(Placing(name, robot, 100, 0, robot + 1, False) for robot, name in enumerate(names))
+    times: list[float] = []
 
-    def __init__(self, url: URL, number: int) -> None:
-        self.database = Database(url, f"arena{number}")
-        self.database.open()
-        self.times: list[float] = []
-        self._number, self._battle = number, 0
-        # nobody plays in two arenas at the same time
-        self._placings = tuple(
-            Placing(f"p{number * FIGHTERS + place}", place, 100, 0, place + 1, False) for place in range(FIGHTERS)
-        )
-
-    async def fight(self, end: float, length: int = 40) -> None:
-        """`length` hits a battle. The arenas' battles do not begin and end at the same moment."""
-        await asyncio.sleep(length * HIT_EVERY * self._number / ARENAS)
-        while time.monotonic() < end:
-            self._battle += 1
-            names = [placing.name for placing in self._placings]
-            starters = tuple(events.Fighter(name, robot, 0) for robot, name in enumerate(names))
-            await self._decide(events.BattleStarted(self._battle, 300.0, starters))
-            for hit in range(length):
-                await asyncio.sleep(HIT_EVERY)
-                await self._decide(events.Hit(names[hit % FIGHTERS], hit % FIGHTERS, 100 - hit))
-            await self._decide(events.BattleEnded(self._battle, "the time limit is reached", self._placings))
-
-    async def _decide(self, event: Event) -> None:
+    def decide(battle: int, event: Event) -> None:
         began = time.monotonic()
-        self.database.record([Recorded(began, event)], {"game": 2, "battle": self._battle, "users": []})
-        while self.database.waiting:
-            await asyncio.sleep(0.001)
-        self.times.append(time.monotonic() - began)
+        database.record([Recorded(began, event)], {"game": 2, "battle": battle, "users": []})
+        while database.waiting:
+            time.sleep(0.001)
+        times.append(time.monotonic() - began)
+
+    def fight(end: float) -> None:
+        for battle in itertools.count(1):
+            decide(battle, events.BattleStarted(battle, 300.0, starters))
+            for hit in range(HITS):
+                time.sleep(HIT_EVERY)
+                if time.monotonic() > end:
+                    return
+                decide(battle, events.Hit(names[hit % FIGHTERS], hit % FIGHTERS, 100 - hit))
+            decide(battle, events.BattleEnded(battle, "the time limit is reached", placings))
+
+    end = time.monotonic() + seconds
+    time.sleep(HITS * HIT_EVERY * number / ARENAS)  # the arenas' battles do not begin and end at the same moment
+    fight(end)
+    assert not database.problem, database.problem
+    database.close()
+    return times
 
 
 def read_again_and_again(read: Callable[[], object], pause: float, over: threading.Event) -> list[float]:
@@ -154,7 +161,6 @@ def bench_database(arenas: int, battles: int, names: int, seconds: float) -> Ite
         began = time.monotonic()
         fill(url, battles, names, arenas)
         print(f"({battles:,} battles of {names:,} players written in {time.monotonic() - began:.0f} s)", flush=True)
-        writers = [Writer(url, number) for number in range(arenas)]
         results, over = Results(url), threading.Event()
         readers = {
             "leaderboard": (results.standings, 0.5, LEADERBOARD),
@@ -167,21 +173,19 @@ def bench_database(arenas: int, battles: int, names: int, seconds: float) -> Ite
             found[name] = read_again_and_again(read, pause, over)
 
         threads = [threading.Thread(target=look, args=[name]) for name in readers]
-        for thread in threads:
-            thread.start()
-
-        async def fight() -> None:
-            end = time.monotonic() + seconds
-            await asyncio.gather(*(writer.fight(end) for writer in writers))
-
-        asyncio.run(fight())
-        over.set()
-        for thread in threads:
-            thread.join()
-        for writer in writers:
-            assert not writer.database.problem, writer.database.problem
-            writer.database.close()
-        times = [each for writer in writers for each in writer.times]
+        # a process each, as masters are; forked before there are threads
+        forked = multiprocessing.get_context("fork")
+        all_are_there = forked.Barrier(arenas).wait
+        with ProcessPoolExecutor(arenas, forked, initializer=all_are_there) as masters:
+            writing = [masters.submit(write, url, number, seconds) for number in range(arenas)]
+            for thread in threads:
+                thread.start()
+            try:
+                times = [time for writer in writing for time in writer.result()]
+            finally:
+                over.set()
+                for thread in threads:
+                    thread.join()
         yield Row(f"an event of one of {arenas} masters, to its commit", times, WRITE_P99)
         for name, (_, _, goal) in readers.items():
             yield Row(f"{name}, beside them", found[name], goal)
@@ -223,7 +227,7 @@ class Visitors:
     def __init__(self, port: int) -> None:
         self._port = port
         self.times: dict[str, list[float]] = {"page": [], "arenas": [], "play": []}
-        self.failed = 0
+        self.failed: Counter[str] = Counter()  # by what came instead of an answer
 
     async def visit(self, number: int, end: float) -> None:
         source = f"127.{1 + number // 62_500}.{number // 250 % 250}.{1 + number % 250}"
@@ -246,10 +250,12 @@ class Visitors:
                 writer.write(f"{head}\r\n{form}".encode())
                 answer = await reader.read(-1)
                 writer.close()
-        except (OSError, TimeoutError):
-            self.failed += 1
+        except (OSError, TimeoutError) as error:
+            self.failed[type(error).__name__] += 1
             return
-        self.failed += b" 200 " not in answer[:16]
+        if b" 200 " not in answer[:16]:
+            self.failed[answer.partition(b"\r\n")[0].decode()] += 1
+            return
         self.times[what].append(time.monotonic() - began)
 
 
@@ -282,7 +288,7 @@ def bench_entrance(arenas: int, visitors: int, seconds: float) -> Iterator[Row]:
             until(lambda: program.stop() == 0, 20, program.output)
     for what, times in crowd.times.items():
         yield Row(f"{visitors} visitors, {what}", times)
-    print(f"(the entrance took {cores:.2f} cores; {crowd.failed} requests failed)", flush=True)
+    print(f"(the entrance took {cores:.2f} cores; failed: {dict(crowd.failed) or 'none'})", flush=True)
 
 
 def main() -> None:

@@ -2,10 +2,10 @@
 
 import gc
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 
 import pytest
-from sqlalchemy import URL, Connection, create_engine, text
+from sqlalchemy import URL, Connection, create_engine, event, text
 from sqlalchemy.pool import NullPool
 
 from server.game.persistence import restore
@@ -13,7 +13,7 @@ from server.game.referee import Referee
 from server.store.database import Database, Kept
 from server.store.forget import forget
 from server.store.log import EventLog
-from server.store.results import Results
+from server.store.results import Count, Results
 from server.web.settings import Settings
 from tests.support.databases import rows
 from tests.support.polling import until
@@ -81,9 +81,8 @@ def arena(url: URL) -> Iterator[Callable[[str], Arena]]:
 
 @pytest.fixture
 def results(url: URL) -> Iterator[Results]:
-    found = Results(url)
-    yield found
-    found._engine.dispose()
+    with closing(Results(url)) as found:
+        yield found
 
 
 def test_each_arena_goes_on_with_its_own_battle_seats_and_robots(arena, results: Results) -> None:
@@ -138,6 +137,29 @@ def test_an_arena_keeps_one_connection_however_many_look_at_it(arena, url: URL, 
             return int(connection.scalar(count, {"name": url.database}) or 0)
 
     until(lambda: connections() == 2, 20, "those that are not kept are gone")
+
+
+def test_who_reads_again_and_again_logs_in_once(arena, url: URL, results: Results) -> None:
+    """PostgreSQL's password costs longer than the leaderboard of a million battles."""
+    arena("red").fight("ann", "bob")
+    logins: list[object] = []
+    event.listen(results._engine, "connect", lambda *connection: logins.append(connection))
+    for _ in range(5):
+        results.standings()
+        results.battles(1, 10)
+    assert len(logins) == 1
+
+
+def test_battles_are_counted_as_they_come_and_all_of_them_each_minute(arena, url: URL) -> None:
+    red = arena("red")
+    red.fight("ann", "bob")
+    with create_engine(url, poolclass=NullPool).begin() as connection:
+        one = Count().now(connection, 0.0)
+        late = "INSERT INTO battles (id, number, began, counts, arena, tallied) VALUES (:id, 0, 0, true, '', true)"
+        for row, now, wanted in ((1000, 1.0, 2), (500, 2.0, 2), (1001, 3.0, 3), (1002, 61.0, 5)):
+            connection.execute(text(late), {"id": row})
+            one = one.now(connection, now)
+            assert one.battles == wanted, f"after {now} s"
 
 
 def test_no_arena_takes_anothers_events_for_its_own(arena, url: URL, monkeypatch) -> None:

@@ -1,6 +1,7 @@
 """The standings of all battles: the same as if all battles were read again, whoever wrote them, and when."""
 
 import json
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -77,7 +78,8 @@ def test_a_server_that_adds_up_what_is_left_over_gives_whole_numbers(postgres: P
     season = Season(postgres.new_database())
     season.add(season.fight("ann", "bob"))
     season.fight("bob", "ann")
-    standings = season.results.standings()
+    with closing(season.results) as results:
+        standings = results.standings()
     assert json.loads(json.dumps([(one.name, one.wins, one.hits, one.given) for one in standings])) == [
         ["ann", 1, 3, 6],
         ["bob", 1, 3, 6],

@@ -2,6 +2,7 @@
 
 import gc
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -95,12 +96,9 @@ def quiet(percent: int) -> None:
 
 def played(url: URL) -> Any:
     """All that the pages show of it."""
-    results = Results(url)
-    try:
+    with closing(Results(url)) as results:
         battles, _ = results.battles(1, 100)
         return battles, [results.battle(each.id) for each in battles], results.standings()
-    finally:
-        results._engine.dispose()
 
 
 @pytest.mark.parametrize(
