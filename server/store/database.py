@@ -504,14 +504,14 @@ def _keep_robot(connection: Connection, arena: str, caller: str, robot: int) -> 
     connection.execute(insert(schema.robots).values(arena=arena, caller=caller, robot=robot))
 
 
-def make_engine(url: URL, busy: float = _BUSY) -> Engine:
+def make_engine(url: URL, busy: float = _BUSY, kept: int = 1) -> Engine:
     """By which the database at `url` is written and read. `busy`: s that a statement may wait for another program, and
-    for a server's answer. A server has some hundred connections for all arenas: of each engine at most one is kept,
+    for a server's answer. A server has some hundred connections for all arenas: of each engine at most `kept` stay,
     others end with what they were made for."""
     if url.get_backend_name() != "sqlite":
         # it writes a traceback for each connection that the other end has broken; what is wrong is told by us, once
         logging.getLogger("sqlalchemy.pool").setLevel(logging.CRITICAL)
-        return create_engine(url, connect_args={"timeout": busy}, pool_pre_ping=True, pool_size=1, max_overflow=9)
+        return create_engine(url, connect_args={"timeout": busy}, pool_pre_ping=True, pool_size=kept, max_overflow=9)
     engine = create_engine(url, connect_args={"timeout": busy})
 
     @event.listens_for(engine, "connect")

@@ -24,22 +24,25 @@ def keep_fighters(connection: Connection, battle: int) -> None:
     placings = {placing["name"]: placing for placing in row.result or ()}
     lasted = (row.ended or row.began) - row.began
     connection.execute(delete(fighters).where(fighters.c.battle == battle))
+    rows = []
     for course in read_courses(connection, battle):
         placing = placings.get(course.name, {})
-        connection.execute(
-            insert(fighters).values(
-                battle=battle,
-                name=course.name,
-                robot=course.robot,
-                avatar=course.avatar,
-                place=placing.get("place"),
-                life=placing.get("life", course.life),
-                left=placing.get("left", course.left is not None),
-                hits=course.hits,
-                team=course.team,
-                shots=placing.get("shots"),
-                given=course.given,
-                kills=course.kills,
-                seconds=course.fought(lasted),
-            )
+        rows.append(
+            {
+                "battle": battle,
+                "name": course.name,
+                "robot": course.robot,
+                "avatar": course.avatar,
+                "place": placing.get("place"),
+                "life": placing.get("life", course.life),
+                "left": placing.get("left", course.left is not None),
+                "hits": course.hits,
+                "team": course.team,
+                "shots": placing.get("shots"),
+                "given": course.given,
+                "kills": course.kills,
+                "seconds": course.fought(lasted),
+            }
         )
+    if rows:
+        connection.execute(insert(fighters).values(rows))

@@ -387,6 +387,6 @@ def _look(file: Path) -> tuple[int, int, int] | None:
 def _reader(url: URL) -> Engine:
     """A file is opened for each query, read-only: it may be put aside, restored or not be there yet."""
     if url.get_backend_name() != "sqlite" or not url.database:
-        return make_engine(url)
+        return make_engine(url, kept=_READERS)
     file = URL.create("sqlite", database=Path(url.database).absolute().as_uri(), query={"mode": "ro", "uri": "true"})
     return create_engine(file, poolclass=NullPool, connect_args={"timeout": _BUSY})

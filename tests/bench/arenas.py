@@ -10,6 +10,7 @@ import argparse
 import asyncio
 import itertools
 import json
+import math
 import multiprocessing
 import os
 import statistics
@@ -47,6 +48,7 @@ POLL = 5.0  # s between two questions of a page
 SECONDS = 30.0
 RAMP = 20.0  # s in which the visitors come
 FILES = 12_000
+PATIENCE = 120.0  # s, until all writers have logged in
 STATE = json.dumps({"game": 0, "available_robots": 4, "users": [], "queue": [], "tournament": 0}).encode()
 
 # what must hold, in s
@@ -68,6 +70,10 @@ class Row(NamedTuple):
         goal = "" if self.goal is None else f"  goal {self.goal * 1e3:.0f} ms{'' if p99 <= self.goal else ': MISSED'}"
         return f"{self.what:44} {len(ordered):7}  p50 {p50 * 1e3:7.1f}  p99 {p99 * 1e3:7.1f} ms{goal}"
 
+
+FORKED = multiprocessing.get_context("fork")
+READY = FORKED.Semaphore(0)  # released by each writer that has logged in and played a first battle
+BEGIN = FORKED.Event()  # for all writers: what a program does but once is not measured
 
 # one database
 
@@ -128,19 +134,25 @@ def write(url: URL, number: int, seconds: float) -> list[float]:
             time.sleep(0.001)
         times.append(time.monotonic() - began)
 
-    def fight(end: float) -> None:
-        for battle in itertools.count(1):
-            decide(battle, events.BattleStarted(battle, 300.0, starters))
-            for hit in range(HITS):
-                time.sleep(HIT_EVERY)
-                if time.monotonic() > end:
-                    return
-                decide(battle, events.Hit(names[hit % FIGHTERS], hit % FIGHTERS, 100 - hit))
-            decide(battle, events.BattleEnded(battle, "the time limit is reached", placings))
+    def fight(battle: int, hits: int, end: float) -> None:
+        decide(battle, events.BattleStarted(battle, 300.0, starters))
+        for hit in range(hits):
+            time.sleep(HIT_EVERY)
+            if time.monotonic() > end:
+                return
+            decide(battle, events.Hit(names[hit % FIGHTERS], hit % FIGHTERS, 100 - hit))
+        decide(battle, events.BattleEnded(battle, "the time limit is reached", placings))
 
+    fight(0, 1, math.inf)
+    times.clear()
+    READY.release()
+    BEGIN.wait()
     end = time.monotonic() + seconds
     time.sleep(HITS * HIT_EVERY * number / ARENAS)  # the arenas' battles do not begin and end at the same moment
-    fight(end)
+    for battle in itertools.count(1):
+        if time.monotonic() > end:
+            break
+        fight(battle, HITS, end)
     assert not database.problem, database.problem
     database.close()
     return times
@@ -162,6 +174,7 @@ def bench_database(arenas: int, battles: int, names: int, seconds: float) -> Ite
         fill(url, battles, names, arenas)
         print(f"({battles:,} battles of {names:,} players written in {time.monotonic() - began:.0f} s)", flush=True)
         results, over = Results(url), threading.Event()
+        results.standings()  # logs in
         readers = {
             "leaderboard": (results.standings, 0.5, LEADERBOARD),
             "page of battles": (lambda: results.battles(1, 25), 1.0, None),
@@ -174,10 +187,11 @@ def bench_database(arenas: int, battles: int, names: int, seconds: float) -> Ite
 
         threads = [threading.Thread(target=look, args=[name]) for name in readers]
         # a process each, as masters are; forked before there are threads
-        forked = multiprocessing.get_context("fork")
-        all_are_there = forked.Barrier(arenas).wait
-        with ProcessPoolExecutor(arenas, forked, initializer=all_are_there) as masters:
+        with ProcessPoolExecutor(arenas, FORKED) as masters:
             writing = [masters.submit(write, url, number, seconds) for number in range(arenas)]
+            for _ in writing:
+                assert READY.acquire(timeout=PATIENCE), "a master does not come to its database"
+            BEGIN.set()
             for thread in threads:
                 thread.start()
             try:
