@@ -26,7 +26,7 @@ import socket, sys
 server = socket.socket(socket.AF_UNIX)
 server.bind(path)
 server.listen()
-print("ARGUMENTS", *sys.argv[1:], flush=True)
+print(" ".join(["ARGUMENTS", *sys.argv[1:]]), flush=True)
 while True:
     guest, _ = server.accept()
     words = guest.recv(4096).split()
