@@ -71,11 +71,11 @@ class Row(NamedTuple):
         return f"{self.what:44} {len(ordered):7}  p50 {p50 * 1e3:7.1f}  p99 {p99 * 1e3:7.1f} ms{goal}"
 
 
+# one database
+
 FORKED = multiprocessing.get_context("fork")
 READY = FORKED.Semaphore(0)  # released by each writer that has logged in and played a first battle
 BEGIN = FORKED.Event()  # for all writers: what a program does but once is not measured
-
-# one database
 
 
 def fill(url: URL, battles: int, names: int, arenas: int) -> None:
@@ -174,7 +174,6 @@ def bench_database(arenas: int, battles: int, names: int, seconds: float) -> Ite
         fill(url, battles, names, arenas)
         print(f"({battles:,} battles of {names:,} players written in {time.monotonic() - began:.0f} s)", flush=True)
         results, over = Results(url), threading.Event()
-        results.standings()  # logs in
         readers = {
             "leaderboard": (results.standings, 0.5, LEADERBOARD),
             "page of battles": (lambda: results.battles(1, 25), 1.0, None),
@@ -191,6 +190,7 @@ def bench_database(arenas: int, battles: int, names: int, seconds: float) -> Ite
             writing = [masters.submit(write, url, number, seconds) for number in range(arenas)]
             for _ in writing:
                 assert READY.acquire(timeout=PATIENCE), "a master does not come to its database"
+            results.standings()  # logs in
             BEGIN.set()
             for thread in threads:
                 thread.start()
