@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sqlalchemy import URL, Connection, Engine, Row, create_engine, delete, event, func, insert, select, update
+from sqlalchemy import URL, Connection, Engine, Row, Table, create_engine, delete, event, func, insert, select, update
 from sqlalchemy.exc import DatabaseError
 from sqlalchemy.pool import ConnectionPoolEntry
 
@@ -25,7 +25,7 @@ from server.game.persistence import mend
 from server.store import schema, versions
 from server.store.backup import bring_back
 from server.store.clocks import Clocks
-from server.store.fighters import keep_fighters
+from server.store.fighters import Outcome, keep_fighters
 from server.store.forget import find_forgotten, rename_in_event, rename_in_state
 from server.store.held import UNSEEN, FileId, Held, file_id
 from server.store.tally import tally, tally_left_over
@@ -41,7 +41,7 @@ TALLY_AGAIN = 300.0  # s until older battles are added up again, when that has f
 LOOK = 2.0  # s between looks at the file while nothing is to be written
 TOLD_FOR = 600.0  # s
 CLOSE_WITHIN = 1.0  # s
-_CLOCK = "clock"  # when the saved state was saved, see `clock_of`
+CLOCK = "clock"  # in the saved state: when that was saved, see `clock_of`
 _SECRET = ("session", "key", "address")  # of events: nobody needs them any more, and they are personal
 _BUSY = 3.0  # s that a statement may wait for another program, and for a server's answer
 _BROKEN = (sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_CORRUPT)
@@ -104,6 +104,7 @@ class Database:
         self._fighting = False
         self._battle: int | None = None  # row of the one that runs, as far as it is written
         self._unsure: _Attempt | None = None
+        self._last_event: int | None = None  # ID of the newest that is written; None: not known
         self._look_every = look if self._path else None
         self._file: FileId | None = None  # that is open
         self._held = Held()
@@ -125,7 +126,7 @@ class Database:
         self._unread = kept is None
         kept = kept or Kept()
         if self._battle is not None and kept.state is not None:
-            self._offset, self._fighting = kept.state[_CLOCK]["battle"] - kept.saved_at, True
+            self._offset, self._fighting = kept.state[CLOCK]["battle"] - kept.saved_at, True
         self._thread.start()
         return kept
 
@@ -145,7 +146,7 @@ class Database:
             self._waiting += self._dated(recorded)
             mark = self._clocks.mark()
             clock = mark | {"battle": mark["monotonic"] + self._offset}
-            self._saved = self._newest = _State({**saved, _CLOCK: clock}, mark["unix"])
+            self._saved = self._newest = _State({**saved, CLOCK: clock}, mark["unix"])
             if len(self._waiting) > MAX_WAITING:
                 del self._waiting[: len(self._waiting) - MAX_WAITING]
             self._changed.notify()
@@ -250,7 +251,7 @@ class Database:
     def _begin_anew(self, what: str, recorded: list[Recorded]) -> None:
         """The file is lost, and with it the battle that runs: it is written once more, before `recorded`."""
         self._engine.dispose()
-        self._file, self._battle, self._unsure, self._is_anew = None, None, None, True
+        self._file, self._battle, self._unsure, self._last_event, self._is_anew = None, None, None, None, True
         recorded[:0] = self._held.take_battle()
         # first, so that nobody who hears of the mishap takes it for mended
         self.problem = f"its file was {what} while it was open"
@@ -269,12 +270,12 @@ class Database:
             with self._transaction() as connection:
                 if self.problem:
                     versions.prepare(connection)
-                battle = self._battle
+                battle, last_event = self._battle, self._last_event
                 if self._is_anew:
                     for caller, robot in self._held.robots.items():
                         _keep_robot(connection, self.arena, caller, robot)
                 if saved:
-                    battle = self._write_events(connection, recorded, saved)
+                    battle, last_event = self._write_events(connection, recorded, saved)
                 for piece, offset in pieces:
                     _keep_piece(connection, self.arena, piece, offset)
         except Exception as error:
@@ -285,7 +286,7 @@ class Database:
             self._engine.dispose()  # a connection that was given up may still get the answer
             return False
         self._held.keep(recorded)
-        self._battle, self._unsure, self._is_anew = battle, None, False
+        self._battle, self._last_event, self._unsure, self._is_anew = battle, last_event, None, False
         if self.problem:
             _log.warning(WRITTEN_AGAIN)
         self.problem = ""
@@ -324,24 +325,27 @@ class Database:
             return False  # the next state has what was found
         return True
 
-    def _write_events(self, connection: Connection, recorded: list[Recorded], saved: _State) -> int | None:
-        """Returns the row of the battle that runs after them."""
-        own = schema.state.c.arena == self.arena
-        connection.execute(delete(schema.state).where(own))  # first, since it waits for an earlier attempt to end
-        newest = connection.scalar(select(func.max(schema.events.c.id)).where(schema.events.c.arena == self.arena)) or 0
-        if self._unsure and newest > self._unsure.newest:
+    def _write_events(self, connection: Connection, recorded: list[Recorded], saved: _State) -> tuple[int | None, int]:
+        """Returns the row of the battle that runs after them, and the ID of the newest event. Of few statements: to a
+        server each is a journey of its own, while others wait for what is locked."""
+        _keep_state(connection, self.arena, saved)  # first, since it waits for an earlier attempt to end
+        last = self._last_event
+        if last is None or self._unsure:
+            ids, arenas = schema.events.c.id, schema.events.c.arena
+            last = connection.scalar(select(func.max(ids)).where(arenas == self.arena)) or 0
+        if self._unsure and last > self._unsure.newest:
             rest = _after(self._unsure.last, recorded)
             self._held.keep(recorded[: len(recorded) - len(rest)])
             self._battle, recorded[:], self._unsure = self._unsure.battle, rest, None
-        battle = self._battle
+        battle, before = self._battle, last
         forgotten = find_forgotten(connection, saved.data, self.arena)
         for one in recorded:
-            battle = _keep(connection, one, battle, forgotten, arena=self.arena)
-        data = rename_in_state(saved.data, forgotten)
-        connection.execute(insert(schema.state).values(arena=self.arena, at=saved.at, data=data))
+            battle, last = _keep(connection, one, battle, forgotten, arena=self.arena)
+        if forgotten:
+            _keep_state(connection, self.arena, saved._replace(data=rename_in_state(saved.data, forgotten)))
         if recorded:
-            self._unsure = _Attempt(newest, recorded[-1], battle)
-        return battle
+            self._unsure = _Attempt(before, recorded[-1], battle)
+        return battle, last
 
     def _try_load(self) -> Kept | None:
         try:
@@ -368,16 +372,16 @@ class Database:
             state, robots = schema.state.c, schema.robots.c
             row = connection.execute(select(state.at, state.data).where(state.arena == self.arena)).first()
             known = connection.execute(select(schema.robots).where(robots.arena == self.arena))
-            last = last_battle(connection, self.arena)
+            last = _last_battle(connection, self.arena)
             if row and last and last.ended is None and last.number == row.data.get("battle"):
                 self._battle = last.id
                 self._held.keep(_events_of(connection, last.id))
             kept = Kept({row.caller: row.robot for row in known}, last.number if last else 0)
             if row is None:
                 return kept
-            mark = clock_of(row)
+            mark = clock_of(row.at, row.data.get(CLOCK))
             saved_at = self._clocks.monotonic() - self._clocks.age(mark)
-            return replace(kept, state=_mended(row.data) | {_CLOCK: mark}, saved_at=saved_at)
+            return replace(kept, state=_mended(row.data) | {CLOCK: mark}, saved_at=saved_at)
 
     @property
     def _is_file(self) -> bool:
@@ -412,10 +416,10 @@ class Database:
                 part.replace(part.with_name(f"{path.name}.broken{suffix}"))
 
 
-def clock_of(state: Row[Any]) -> dict[str, Any]:
-    """When the state was saved, see Clocks.mark, and `battle`: the Unix time in s by the clock of its battle."""
-    told: Mapping[str, Any] = state.data.get(_CLOCK, {})  # older programs tell nothing
-    return {"unix": state.at, "battle": state.at, **told}
+def clock_of(saved_at: float, told: Mapping[str, Any] | None) -> dict[str, Any]:
+    """When the state was saved, see Clocks.mark, and `battle`: the Unix time in s by the clock of its battle. Older
+    programs tell nothing but the time of saving it."""
+    return {"unix": saved_at, "battle": saved_at, **(told or {})}
 
 
 def _mended(saved: Mapping[str, Any]) -> dict[str, Any]:
@@ -440,11 +444,17 @@ def _after(last: Recorded, recorded: list[Recorded]) -> list[Recorded]:
     return recorded[places[0] + 1 :] if places else recorded
 
 
-def last_battle(connection: Connection, arena: str) -> Row[Any] | None:
+def _last_battle(connection: Connection, arena: str) -> Row[Any] | None:
     """The newest of that arena."""
     battles = schema.battles.c
     newest = select(schema.battles).where(battles.arena == arena).order_by(battles.id.desc())
     return connection.execute(newest.limit(1)).first()
+
+
+def _keep_state(connection: Connection, arena: str, state: _State) -> None:
+    table, news = schema.state, {"at": state.at, "data": state.data}
+    if not connection.execute(update(table).where(table.c.arena == arena).values(news)).rowcount:
+        connection.execute(insert(table).values(arena=arena, **news))
 
 
 def _keep(
@@ -454,31 +464,42 @@ def _keep(
     forgotten: Mapping[str, str],
     *,
     arena: str,
-) -> int | None:
-    """Write one event, which has a Unix time; returns the row of the battle that runs after it."""
+) -> tuple[int | None, int]:
+    """Write one event, which has a Unix time; returns the row of the battle that runs after it, and the event's ID."""
     decided, at = recorded.event, recorded.at
     match decided:
         case events.RobotLinked(robot, True, caller) if caller:  # a name alone is not a robot
             _keep_robot(connection, arena, caller, robot)
         case events.BattleStarted(number):
-            made = connection.execute(insert(schema.battles).values(arena=arena, number=number, began=at))
-            battle = made.inserted_primary_key[0] if made.inserted_primary_key else None
+            battle = _added(connection, schema.battles, arena=arena, number=number, began=at)
     kind = kind_of(decided)
     fields = rename_in_event(kind, to_json(decided), forgotten)
     fields |= {name: "" for name in _SECRET if hasattr(decided, name)}
-    row = {"arena": arena, "at": at, "battle": battle, "kind": kind, "data": fields}
-    connection.execute(insert(schema.events).values(row))
+    written = _added(connection, schema.events, arena=arena, at=at, battle=battle, kind=kind, data=fields)
+    if isinstance(decided, events.BattleStarted) and battle is not None:
+        keep_fighters(connection, battle, Outcome(at))
     if isinstance(decided, events.BattleEnded):
-        connection.execute(
-            update(schema.battles)
-            .where(schema.battles.c.id == battle)
-            .values(ended=at, cause=fields["cause"], result=fields["result"], counts=fields.get("counts", True))
-        )
-    if isinstance(decided, events.BattleStarted | events.BattleEnded) and battle is not None:
-        keep_fighters(connection, battle)
-    if isinstance(decided, events.BattleEnded) and battle is not None:
-        tally(connection, battle)
-    return None if isinstance(decided, events.BattleEnded) else battle
+        if battle is not None:
+            _end_battle(connection, battle, at, fields)
+        battle = None
+    return battle, written
+
+
+def _end_battle(connection: Connection, battle: int, at: float, fields: Mapping[str, Any]) -> None:
+    """`fields`: of the event."""
+    cause, result, counts = fields["cause"], fields["result"], fields.get("counts", True)
+    battles = schema.battles
+    ended = update(battles).where(battles.c.id == battle).values(ended=at, cause=cause, result=result, counts=counts)
+    began = connection.execute(ended.returning(battles.c.began)).scalar_one()
+    keep_fighters(connection, battle, Outcome(began, at, result))
+    tally(connection, battle)
+
+
+def _added(connection: Connection, table: Table, **values: Any) -> int:
+    """The ID of the new row."""
+    made = connection.execute(insert(table).values(values)).inserted_primary_key
+    assert made
+    return int(made[0])
 
 
 def _events_of(connection: Connection, battle: int) -> Iterator[Recorded]:

@@ -1,9 +1,20 @@
 """The table of who fought: what a battle's events come to, so that a leaderboard need not read them all."""
 
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
 from sqlalchemy import Connection, delete, insert, select
 
 from server.store import schema
 from server.store.course import KINDS, Course, courses
+
+
+class Outcome(NamedTuple):
+    """Of a battle: when it began, in Unix s, and once it has ended when that was, and its result."""
+
+    began: float
+    ended: float | None = None
+    result: Sequence[Mapping[str, Any]] | None = None  # see server.game.snapshot.Placing
 
 
 def read_courses(connection: Connection, battle: int) -> list[Course]:
@@ -17,12 +28,11 @@ def read_courses(connection: Connection, battle: int) -> list[Course]:
     return courses((row.at, row.kind, row.data) for row in recorded)
 
 
-def keep_fighters(connection: Connection, battle: int) -> None:
+def keep_fighters(connection: Connection, battle: int, outcome: Outcome) -> None:
     """Write who fought in the battle in that row, as far as it has gone."""
-    fighters, battles = schema.fighters, schema.battles.c
-    row = connection.execute(select(battles.began, battles.ended, battles.result).where(battles.id == battle)).one()
-    placings = {placing["name"]: placing for placing in row.result or ()}
-    lasted = (row.ended or row.began) - row.began
+    fighters = schema.fighters
+    placings = {placing["name"]: placing for placing in outcome.result or ()}
+    lasted = (outcome.ended or outcome.began) - outcome.began
     connection.execute(delete(fighters).where(fighters.c.battle == battle))
     rows = []
     for course in read_courses(connection, battle):

@@ -34,7 +34,7 @@ from server.game.tournament_view import tournament_view
 from server.store import schema
 from server.store.clocks import Clocks
 from server.store.course import Course
-from server.store.database import AwayError, clock_of, last_battle, make_engine
+from server.store.database import CLOCK, AwayError, clock_of, make_engine
 from server.store.fighters import read_courses
 from server.store.marks import ON_FLOOR, ON_HILLS, ON_ROBOTS, effects, marks, points
 from server.store.tally import COUNTS, SHOOTING, is_left_over, sums
@@ -332,7 +332,7 @@ def _with_fighters(connection: Connection, rows: Sequence[Row[Any]], clocks: Clo
                 kills=row.kills,
             )
         )
-    running = _running(connection, clocks)
+    running = _running(connection, [row.id for row in rows if row.ended is None], clocks)
     return [
         Battle(
             id=row.id,
@@ -357,15 +357,23 @@ def _events(connection: Connection, battle: int, kinds: Sequence[str]) -> Iterat
         yield row.at, row.kind, row.data
 
 
-def _running(connection: Connection, clocks: Clocks) -> dict[int, float]:
-    """The rows of the battles that run, of each arena one at most, and how long they have lasted, in s."""
+def _running(connection: Connection, battles: Sequence[int], clocks: Clocks) -> dict[int, float]:
+    """Those of these rows whose battles run, of each arena the newest at most, and how long they have lasted, in s."""
+    if not battles:
+        return {}
+    battle, newer, state = schema.battles.c, schema.battles.alias(), schema.state.c
+    is_newest = ~exists().where(newer.c.arena == battle.arena, newer.c.id > battle.id)
+    told = (state.data[name].label(name) for name in ("game", "battle", CLOCK))
+    query = (
+        select(battle.id, battle.number, battle.began, state.at, *told)
+        .join(schema.state, state.arena == battle.arena)
+        .where(battle.id.in_(battles), is_newest)
+    )
     found = {}
-    for row in connection.execute(select(schema.state)).all():
-        last = last_battle(connection, row.arena)
-        now = (row.data.get("game"), row.data.get("battle"))
-        if last and last.ended is None and now == (Game.PLAYING, last.number):
-            clock = clock_of(row)
-            found[last.id] = max(0.0, clock["battle"] + clocks.age(clock) - last.began)
+    for row in connection.execute(query):
+        if (row.game, row.battle) == (Game.PLAYING, row.number):
+            clock = clock_of(row.at, row.clock)
+            found[row.id] = max(0.0, clock["battle"] + clocks.age(clock) - row.began)
     return found
 
 

@@ -5,17 +5,14 @@ A battle that is not in it yet, because an older program wrote it, is added late
 adds it up.
 """
 
-from collections.abc import Sequence
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Row, Select, case, func, select, update
+from sqlalchemy import ColumnElement, Connection, Select, case, func, select, update
 from sqlalchemy.dialects import postgresql, sqlite
 
 from server.store import schema
 
 AT_ONCE = 100  # older battles in a transaction, which keeps others from adding to the same players meanwhile
-
-_ROWS = 500  # in a statement, which may have some ten thousand values
 
 _standings = schema.standings.c
 COUNTS = ("battles", "wins", "hits", "seconds")
@@ -67,17 +64,13 @@ def tally(connection: Connection, battle: int) -> None:
 
 
 def _tally(connection: Connection, chosen: ColumnElement[bool]) -> None:
+    names = ("name", *COUNTS, *SHOOTING)
     # in the order of the names, or two arenas could wait for each other
-    rows = connection.execute(sums().where(chosen).order_by(schema.fighters.c.name)).all()
-    for first in range(0, len(rows), _ROWS):
-        connection.execute(_added(connection, rows[first : first + _ROWS]))
-    connection.execute(update(schema.battles).where(chosen).values(tallied=True))
-
-
-def _added(connection: Connection, rows: Sequence[Row[Any]]) -> Any:
+    totals = sums().where(chosen).order_by(schema.fighters.c.name)
     dialect = postgresql if connection.dialect.name == "postgresql" else sqlite
-    made = dialect.insert(schema.standings).values([row._asdict() for row in rows])
+    made = dialect.insert(schema.standings).from_select(names, totals)
     values: dict[str, Any] = {name: _standings[name] + made.excluded[name] for name in COUNTS}
     for name in SHOOTING:
         values[name] = func.coalesce(_standings[name] + made.excluded[name], _standings[name], made.excluded[name])
-    return made.on_conflict_do_update(index_elements=["name"], set_=values)
+    connection.execute(made.on_conflict_do_update(index_elements=["name"], set_=values))
+    connection.execute(update(schema.battles).where(chosen).values(tallied=True))

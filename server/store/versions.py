@@ -6,7 +6,7 @@ from sqlalchemy import Connection, Table, insert, inspect, select, text
 from sqlalchemy.schema import CreateColumn, CreateIndex
 
 from server.store import schema
-from server.store.fighters import keep_fighters
+from server.store.fighters import Outcome, keep_fighters
 
 
 def _add_fighters(connection: Connection) -> None:
@@ -15,8 +15,9 @@ def _add_fighters(connection: Connection) -> None:
     connection.execute(text(f"ALTER TABLE battles ADD COLUMN {counts}"))
     for index in schema.battles.indexes:
         index.create(connection, checkfirst=True)
-    for battle in connection.scalars(select(schema.battles.c.id)).all():
-        keep_fighters(connection, battle)
+    battles = schema.battles.c
+    for battle, *outcome in connection.execute(select(battles.id, battles.began, battles.ended, battles.result)).all():
+        keep_fighters(connection, battle, Outcome(*outcome))
 
 
 def _add_columns(connection: Connection) -> None:

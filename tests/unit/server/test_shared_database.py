@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 
 import pytest
-from sqlalchemy import URL, Connection, create_engine, event, text
+from sqlalchemy import URL, Connection, Engine, create_engine, event, text
 from sqlalchemy.pool import NullPool
 
 from server.game.persistence import restore
@@ -148,6 +148,45 @@ def test_who_reads_again_and_again_logs_in_once(arena, url: URL, results: Result
         results.standings()
         results.battles(1, 10)
     assert len(logins) == 1
+
+
+def test_a_page_of_battles_takes_as_many_statements_however_many_arenas_fight(arena, results: Results) -> None:
+    """Each of them is a journey to the server and back."""
+    with counted(results._engine) as statements:
+        for number in range(3):
+            each = arena(f"arena{number}")
+            each.match.start("ann", "bob")
+            each.write()
+            statements.clear()
+            battles, _ = results.battles(1, 10)
+            assert [one.running for one in battles] == [True] * (number + 1)
+            assert len(statements) == 4, statements  # how many, which of them, who fought, what runs
+
+
+def test_a_hit_is_written_by_three_statements(arena) -> None:
+    """While the server waits for the next of them, it holds what the arena has locked."""
+    red = arena("red")
+    red.match.start("ann", "bob")
+    red.write()
+    with counted(red.database._engine) as statements:
+        red.match.hit("bob")
+        red.write()
+    assert [statement.split()[0] for statement in statements] == ["UPDATE", "SELECT", "INSERT"], statements
+
+
+@contextmanager
+def counted(engine: Engine) -> Iterator[list[str]]:
+    """The statements that are executed meanwhile."""
+    statements: list[str] = []
+
+    def note(_connection: Connection, _cursor: object, statement: str, *_: object) -> None:
+        statements.append(statement)
+
+    event.listen(engine, "before_cursor_execute", note)
+    try:
+        yield statements
+    finally:
+        event.remove(engine, "before_cursor_execute", note)
 
 
 def test_battles_are_counted_as_they_come_and_all_of_them_each_minute(arena, url: URL) -> None:
