@@ -56,7 +56,7 @@ def test_a_server_that_ends_in_a_battle_goes_on_with_it(
     assert tournament["matches"][0]["robots"] == [0, 1]
 
     server.program.process.send_signal(by)
-    until(lambda: not server.program.running, 5)
+    until(lambda: not server.program.running, 20, "its end")
     server.launch()
     server.wait_until_serving()
 

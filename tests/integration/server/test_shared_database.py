@@ -42,7 +42,7 @@ def test_two_arenas_have_one_leaderboard_and_each_its_own_battle(
     heard[0].wait_for_life("bob", 50)
 
     red.program.process.send_signal(signal.SIGTERM)
-    until(lambda: not red.program.running, 5)
+    until(lambda: not red.program.running, 20, "its end")
     victims[1].hit()
     heard[1].wait_for_life("cyd", 50)
     red.launch()
