@@ -1,16 +1,16 @@
-"""A virtual robot's eyes are painted at the rate that those who look can show."""
+"""A camera that can send fewer pictures is asked for as many as those who look can show."""
 
 import contextlib
 import threading
 from collections.abc import Callable, Iterator
 
-from tests.integration.camera.conftest import tell_camera
-from tests.integration.sim.arena import Arena, Hardware
+from laser_bot_battle.names import RATE_HEADER
+from tests.support.fake_camera import FakeCamera, part_of
 from tests.support.polling import until
-from tests.support.ros import RosMaster
 from tests.support.viewer import Viewer
 
-DRAWING = 0.2  # s that a slow viewer needs for a picture
+RATE = 20
+DRAWING = 0.5  # s that a slow viewer needs for a picture
 PAUSE = 0.01  # s between two looks at what has come
 
 
@@ -32,31 +32,25 @@ def again_and_again(act: Callable[[], object], seconds: float) -> Iterator[None]
         thread.join()
 
 
-def painted(viewer: Viewer) -> float:
-    """Pictures a second that come from the arena, however few of them this viewer gets."""
-    first, *_, last = (viewer.picture() for _ in range(5))
-    return (last.number - first.number) / (last.taken - first.taken)
+def can_send_fewer(eye: FakeCamera, jpeg: bytes) -> bytes:
+    return f"{RATE_HEADER}: {RATE}\r\n".encode() + part_of(eye, jpeg)
 
 
-def test_eyes_are_painted_as_often_as_the_fastest_viewer_draws(
-    ros_master: RosMaster, robots: Iterator[int], viewer: Callable[..., Viewer]
+def test_a_camera_is_asked_for_as_many_pictures_as_the_fastest_viewer_draws(
+    camera: Callable[..., tuple[int, FakeCamera]], viewer: Callable[..., Viewer]
 ) -> None:
-    arena, robot = Arena(), next(robots)
-    try:
-        with Hardware(arena, "virtual1") as hardware:
-            assert hardware.line() == "light 0"
-            tell_camera(ros_master, robot, f"{arena.page}eyes/virtual1")
-            slow = viewer()
-            slow.draws = False
-            slow.watch(robot)
-            with again_and_again(lambda: slow.say("seen"), DRAWING):
-                full = painted(slow)
-                until(lambda: painted(slow) < 0.7 * full, what="fewer pictures")
-                fewer = painted(slow)
-                quick = viewer()  # only now: it answers no ping until it is read from
-                quick.watch(robot)
-                with again_and_again(quick.drain, PAUSE):
-                    until(lambda: painted(slow) > 1.3 * fewer, what="more pictures")
-            assert [state for _, state, _ in slow.states] in (["live"], ["waiting", "live"])
-    finally:
-        assert arena.program.stop() == 0
+    robot, eye = camera(rate=RATE)
+    eye.part = can_send_fewer
+    slow = viewer()
+    slow.draws = False
+    slow.watch(robot)
+    # the one who reads ends first: after a ping it waits for the next picture
+    with again_and_again(lambda: slow.say("seen"), DRAWING), again_and_again(slow.drain, PAUSE):
+        until(lambda: any("rate=" in line for line in eye.requests), what="fewer pictures are asked for")
+        assert "rate=" not in eye.requests[0]
+        quick = viewer()  # only now: it answers no ping until it is read from
+        quick.watch(robot)
+        with again_and_again(quick.drain, PAUSE):
+            until(lambda: "rate=" not in eye.requests[-1], what="all pictures are asked for")
+    told = [state for _, state, _ in slow.states]
+    assert (told.count("live"), told[-1]) == (1, "live"), "nobody hears of the change"

@@ -10,20 +10,22 @@ from server.camera.picture import picture_of
 from tests.integration.sim.arena import HOST, Arena
 
 # as the relay asks
-REQUEST = "GET /{camera}/stream?extra_headers=1 HTTP/1.0\r\nHost: 127.0.0.1\r\nX-Laserbot-Relay: 1\r\n\r\n"
+REQUEST = "GET /{camera}/stream?extra_headers=1{rate} HTTP/1.0\r\nHost: 127.0.0.1\r\nX-Laserbot-Relay: 1\r\n\r\n"
 
 
 class Stream:
     """A camera's stream, read as the relay reads it."""
 
-    def __init__(self, arena: Arena, robot: str | None, room: int | None = None) -> None:
-        """None: of the camera above. `room`: bytes that the kernel may keep for this reader."""
+    def __init__(self, arena: Arena, robot: str | None, room: int | None = None, rate: int = 0) -> None:
+        """None: of the camera above. `room`: bytes that the kernel may keep for this reader. `rate`: pictures a second
+        to ask for, 0 for all."""
         self._socket = socket.socket()
         if room:
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, room)
         self._socket.settimeout(20)
         self._socket.connect((HOST, arena.view_port))
-        self._socket.sendall(REQUEST.format(camera=f"eyes/{robot}" if robot else "overhead").encode())
+        camera = f"eyes/{robot}" if robot else "overhead"
+        self._socket.sendall(REQUEST.format(camera=camera, rate=f"&rate={rate}" if rate else "").encode())
         head = b""
         while not head.endswith(b"\r\n\r\n"):
             head += self._socket.recv(1)

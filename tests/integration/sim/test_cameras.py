@@ -158,6 +158,13 @@ def test_one_can_ask_for_fewer_pictures_and_is_told_how_many_there_could_be(aren
         assert answer.text == f"rate must be a whole number of pictures a second, from 1 to {RATE}"
 
 
+@pytest.mark.usefixtures("robot")
+def test_there_are_not_more_pictures_than_were_asked_for(arena: Arena) -> None:
+    with contextlib.closing(Stream(arena, "virtual1", rate=5)) as stream:
+        stamps = [stream.taken() for _ in range(6)]
+    assert stamps[-1] - stamps[0] > 0.8  # s; all pictures of this time would be four times as many
+
+
 @pytest.mark.parametrize("path", ["stream", "snapshot"])
 @pytest.mark.usefixtures("robot")
 def test_only_the_head_costs_no_picture_and_nothing_can_be_sent(arena: Arena, path: str) -> None:
