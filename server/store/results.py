@@ -361,13 +361,14 @@ def _running(connection: Connection, battles: Sequence[int], clocks: Clocks) -> 
     """Those of these rows whose battles run, of each arena the newest at most, and how long they have lasted, in s."""
     if not battles:
         return {}
-    battle, newer, state = schema.battles.c, schema.battles.alias(), schema.state.c
-    is_newest = ~exists().where(newer.c.arena == battle.arena, newer.c.id > battle.id)
+    battle, others, state = schema.battles.c, schema.battles.alias().c, schema.state.c
+    # by its place in the table, whose end is near: "there is no newer one" would be answered by reading all of it
+    newest = select(others.id).where(others.arena == battle.arena).order_by(others.id.desc()).limit(1)
     told = (state.data[name].label(name) for name in ("game", "battle", CLOCK))
     query = (
         select(battle.id, battle.number, battle.began, state.at, *told)
         .join(schema.state, state.arena == battle.arena)
-        .where(battle.id.in_(battles), is_newest)
+        .where(battle.id.in_(battles), battle.id == newest.scalar_subquery())
     )
     found = {}
     for row in connection.execute(query):
