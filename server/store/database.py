@@ -104,7 +104,7 @@ class Database:
         self._fighting = False
         self._battle: int | None = None  # row of the one that runs, as far as it is written
         self._unsure: _Attempt | None = None
-        self._last_event: int | None = None  # ID of the newest that is written; None: not known
+        self._last_event: int | None = None  # ID of the newest that is written; None: has to be asked for
         self._look_every = look if self._path else None
         self._file: FileId | None = None  # that is open
         self._held = Held()
@@ -284,6 +284,7 @@ class Database:
                 return False
             self._tell(error)
             self._engine.dispose()  # a connection that was given up may still get the answer
+            self._last_event = None  # this attempt, or the one before it, may have been committed all the same
             return False
         self._held.keep(recorded)
         self._battle, self._last_event, self._unsure, self._is_anew = battle, last_event, None, False
@@ -326,11 +327,11 @@ class Database:
         return True
 
     def _write_events(self, connection: Connection, recorded: list[Recorded], saved: _State) -> tuple[int | None, int]:
-        """Returns the row of the battle that runs after them, and the ID of the newest event. Of few statements: to a
-        server each is a journey of its own, while others wait for what is locked."""
+        """Returns the row of the battle that runs after them, and the ID of the newest event. Few statements: each is
+        a round trip to a server, and others wait meanwhile for what is locked."""
         _keep_state(connection, self.arena, saved)  # first, since it waits for an earlier attempt to end
         last = self._last_event
-        if last is None or self._unsure:
+        if last is None:
             ids, arenas = schema.events.c.id, schema.events.c.arena
             last = connection.scalar(select(func.max(ids)).where(arenas == self.arena)) or 0
         if self._unsure and last > self._unsure.newest:

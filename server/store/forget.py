@@ -107,8 +107,11 @@ def _rename(
     names: Mapping[str, str],
 ) -> int:
     """How many rows of the table had the name."""
-    changed = []
-    for row in connection.execute(select(table).execution_options(yield_per=1000)).mappings():
+    changed, query = [], select(table)
+    if table is schema.state:
+        # or an older state would be put over one that a server writes meanwhile
+        query = query.with_for_update()
+    for row in connection.execute(query.execution_options(yield_per=1000)).mappings():
         values = change(row, names)
         if any(values[column] != row[column] for column in values):
             changed.append((row["id"], values))

@@ -358,11 +358,12 @@ def _events(connection: Connection, battle: int, kinds: Sequence[str]) -> Iterat
 
 
 def _running(connection: Connection, battles: Sequence[int], clocks: Clocks) -> dict[int, float]:
-    """Those of these rows whose battles run, of each arena the newest at most, and how long they have lasted, in s."""
+    """Which of these battles are running (at most the newest of each arena), and for how long, in s."""
     if not battles:
         return {}
     battle, others, state = schema.battles.c, schema.battles.alias().c, schema.state.c
-    # by its place in the table, whose end is near: "there is no newer one" would be answered by reading all of it
+    # Walks back from the end of the table, where an arena's newest battle usually is; with NOT EXISTS, PostgreSQL reads
+    # the whole table.
     newest = select(others.id).where(others.arena == battle.arena).order_by(others.id.desc()).limit(1)
     told = (state.data[name].label(name) for name in ("game", "battle", CLOCK))
     query = (

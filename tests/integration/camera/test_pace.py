@@ -41,16 +41,29 @@ def test_a_camera_is_asked_for_as_many_pictures_as_the_fastest_viewer_draws(
 ) -> None:
     robot, eye = camera(rate=RATE)
     eye.part = can_send_fewer
-    slow = viewer()
-    slow.draws = False
-    slow.watch(robot)
-    # the one who reads ends first: after a ping it waits for the next picture
-    with again_and_again(lambda: slow.say("seen"), DRAWING), again_and_again(slow.drain, PAUSE):
-        until(lambda: any("rate=" in line for line in eye.requests), what="fewer pictures are asked for")
+
+    def fewer_since(request: int) -> bool:
+        return any("rate=" in line for line in eye.requests[request:])
+
+    with contextlib.ExitStack() as viewers:
+
+        def slow_one() -> Viewer:
+            one = viewer()  # not sooner: it answers no ping until it is read from
+            one.draws = False
+            one.watch(robot)
+            viewers.enter_context(again_and_again(lambda: one.say("seen"), DRAWING))
+            # the reader ends first: after a ping it blocks until the next picture
+            viewers.enter_context(again_and_again(one.drain, PAUSE))
+            return one
+
+        first = slow_one()
+        until(lambda: fewer_since(0), what="fewer pictures are asked for")
         assert "rate=" not in eye.requests[0]
-        quick = viewer()  # only now: it answers no ping until it is read from
-        quick.watch(robot)
-        with again_and_again(quick.drain, PAUSE):
-            until(lambda: "rate=" not in eye.requests[-1], what="all pictures are asked for")
-    told = [state for _, state, _ in slow.states]
+        before = len(eye.requests)
+        second = slow_one()
+        until(lambda: fewer_since(before), what="fewer pictures are asked for again")
+        assert "rate=" not in eye.requests[before]  # nothing was known of the second
+        second.draws = True  # at once
+        until(lambda: "rate=" not in eye.requests[-1], what="all pictures are asked for")
+    told = [state for _, state, _ in first.states]
     assert (told.count("live"), told[-1]) == (1, "live"), "nobody hears of the change"

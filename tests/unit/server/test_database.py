@@ -490,6 +490,38 @@ def test_an_answer_that_is_lost_on_its_way_doubles_nothing(opened, url, match, m
     assert (ended is None, cause) == (False, "bob was shot down")
 
 
+def test_what_fails_after_a_lost_answer_is_not_taken_for_committed(opened, url, match, monkeypatch):
+    database, _ = opened()
+    transaction = database._transaction
+    faults = ["rolled back", "rolled back", "committed"]  # the last one first
+
+    @contextmanager
+    def failing() -> Iterator[Any]:
+        with transaction() as connection:
+            yield connection
+            if faults and faults[-1] == "rolled back":
+                faults.pop()
+                raise OSError("the connection is broken")
+        if faults:
+            faults.pop()
+            raise OSError("the connection is broken")
+
+    match.sign_up("ada")
+    record(database, match)
+    wait_until_written(database)
+    match.sign_up("bob")
+    monkeypatch.setattr(database, "_transaction", failing)
+    record(database, match)
+    until(lambda: len(faults) == 1, 20, "what was committed is found, and the rest fails")
+    match.ready("ada", "bob")
+    match.wait(15)
+    match.hit("bob")
+    record(database, match)
+    wait_until_written(database)
+    kinds = [kind for _, _, _, kind, *_ in rows(url, "events")]
+    assert (kinds.count("BattleStarted"), kinds.count("Hit")) == (1, 1)
+
+
 def test_what_could_not_be_read_at_the_start_is_told_before_anything_is_written_over_it(
     opened, url, match, monkeypatch
 ):

@@ -2,14 +2,16 @@
 
 import gc
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 
 import pytest
-from sqlalchemy import URL, Connection, Engine, create_engine, event, text
+from sqlalchemy import URL, Connection, Engine, create_engine, event, select, text, update
 from sqlalchemy.pool import NullPool
 
 from server.game.persistence import restore
 from server.game.referee import Referee
+from server.store import schema
 from server.store.database import Database, Kept
 from server.store.forget import forget
 from server.store.log import EventLog
@@ -151,7 +153,7 @@ def test_who_reads_again_and_again_logs_in_once(arena, url: URL, results: Result
 
 
 def test_a_page_of_battles_takes_as_many_statements_however_many_arenas_fight(arena, results: Results) -> None:
-    """Each of them is a journey to the server and back."""
+    """Each of them is a round trip to the server."""
     with counted(results._engine) as statements:
         for number in range(3):
             each = arena(f"arena{number}")
@@ -222,6 +224,36 @@ def test_no_arena_takes_anothers_events_for_its_own(arena, url: URL, monkeypatch
     red.write()
     kept = [kind for *_, kind, _, name in rows(url, "events") if name == "red"]
     assert (kept.count("BattleStarted"), kept.count("Hit"), kept.count("BattleEnded")) == (1, 10, 1)
+
+
+def test_forgetting_waits_for_a_state_that_is_being_written(arena, url: URL) -> None:
+    red = arena("red")
+    red.fight("ann", "bob")
+    red.match.sign_out("ann")
+    red.write()
+    engine = create_engine(url, poolclass=NullPool)
+    locked = text("SELECT 1 FROM pg_stat_activity WHERE datname = :name AND wait_event_type = 'Lock'")
+
+    def it_waits() -> bool:
+        with engine.connect() as another:  # within one transaction the answer stays the same
+            return bool(another.scalar(locked, {"name": url.database}))
+
+    def forget_ann() -> None:
+        with engine.begin() as connection:
+            forget(connection, "ann")
+
+    with engine.connect() as server, ThreadPoolExecutor() as together:
+        (state,) = server.scalars(select(schema.state.c.data))
+        server.execute(update(schema.state).values(data={**state, "newer": True}))
+        forgetting = together.submit(forget_ann)
+        try:
+            until(it_waits)
+        finally:
+            server.commit()
+        forgetting.result()
+    [(_, _, data, _)] = rows(url, "state")
+    assert data["newer"]
+    assert "'ann'" not in str(data)
 
 
 def test_a_player_is_forgotten_by_every_arenas_server(arena, url: URL) -> None:
