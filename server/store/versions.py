@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from sqlalchemy import Connection, Table, insert, inspect, select, text
+from sqlalchemy import Connection, Table, func, insert, inspect, select, text
 from sqlalchemy.schema import CreateColumn, CreateIndex
 
 from server.store import schema
@@ -64,6 +64,8 @@ def _add(connection: Connection, table: Table, *names: str) -> bool:
 STEPS: tuple[Callable[[Connection], None], ...] = (_add_fighters,)
 VERSION = len(STEPS) + 1
 
+_MAKING = 0x1A5E_2B07  # a server's name for a lock is a number; this one is ours
+
 
 class NewerError(Exception):
     """The database was made by a newer version of this program."""
@@ -71,6 +73,9 @@ class NewerError(Exception):
 
 def prepare(connection: Connection) -> None:
     """Make the tables, or bring those of an older version to this one."""
+    if connection.dialect.name == "postgresql" and not inspect(connection).has_table(schema.schema.name):
+        # of arenas that find a new database at the same time, one makes the tables and the others wait for it
+        connection.execute(select(func.pg_advisory_xact_lock(_MAKING)))
     schema.metadata.create_all(connection)
     _add_columns(connection)
     found = connection.scalar(select(schema.schema.c.version))

@@ -37,6 +37,9 @@ class GameServer:
             "LASERBOT_WEB_PORT": str(self.port),
             "LASERBOT_DATA": str(data),
             "LASERBOT_PROTECTION": "0",
+            # these players give no sign of life, however long a busy machine takes for what is tested
+            "LASERBOT_PLAYER_TIMEOUT": "600",
+            "LASERBOT_SEAT_TIMEOUT": "600",
             **variables,
         }
         self._started: list[Program] = []

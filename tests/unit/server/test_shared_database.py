@@ -1,6 +1,7 @@
 """Several arenas on one database server: each has its own game, and what was played is everybody's."""
 
 import gc
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
@@ -107,6 +108,23 @@ def test_each_arena_goes_on_with_its_own_battle_seats_and_robots(arena, results:
     assert (red.found.battles, blue.found.battles) == (1, 1)
     battles, _ = results.battles(1, 10)
     assert {(one.arena, one.running) for one in battles} == {("red", True), ("blue", False)}
+
+
+def test_a_new_database_is_found_by_many_at_the_same_time(postgres: Postgres, caplog: pytest.LogCaptureFixture) -> None:
+    """A festival's arenas start together."""
+    count = 8
+    url, together = postgres.new_database(), threading.Barrier(count)
+
+    def start(number: int) -> str:
+        database = Database(url, f"arena{number}")
+        together.wait()
+        with closing(database):
+            database.open(patience=20)
+            return database.problem
+
+    with ThreadPoolExecutor(count) as threads:
+        assert set(threads.map(start, range(count))) == {""}
+    assert "duplicate" not in caplog.text
 
 
 def test_the_leaderboard_is_of_all_arenas_and_the_log_of_one(arena, results: Results) -> None:
