@@ -24,7 +24,7 @@ from tests.browser.conftest import FLAGS
 from tests.browser.people import Person
 from tests.support.demo import TOKEN, Demo
 from tests.support.player import Player
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 
@@ -154,14 +154,14 @@ def test_a_foreign_page_still_acts_for_nobody(front: Front) -> None:
                 f"{front.web}/playerReady",
                 {"user": "Dan", "ready": 0},
                 headers={"Origin": origin, "Cookie": cookie},
-                timeout=5,
+                timeout=LATEST,
             )
             assert answer.status_code == status, origin
 
 
 def test_the_eyes_are_not_to_be_had_past_the_relay(front: Front) -> None:
     told = {"X-Laserbot-Relay": "1"}
-    assert requests.get(f"{front.web}/arena/eyes/virtual0/snapshot", headers=told, timeout=5).status_code == 404
+    assert requests.get(f"{front.web}/arena/eyes/virtual0/snapshot", headers=told, timeout=LATEST).status_code == 404
 
 
 def test_the_ports_stay_for_old_pages(battle: Demo, front: Front) -> None:
@@ -169,26 +169,26 @@ def test_the_ports_stay_for_old_pages(battle: Demo, front: Front) -> None:
         for web, is_front in ((battle.web, False), (front.web, True)):
             visitor = requests.Session()
             if path == "operator":
-                visitor.post(f"{web}/operator/login", data={"token": TOKEN, "name": "Otto"}, timeout=5)
-            page = visitor.get(f"{web}/{path}", timeout=5).text
+                visitor.post(f"{web}/operator/login", data={"token": TOKEN, "name": "Otto"}, timeout=LATEST)
+            page = visitor.get(f"{web}/{path}", timeout=LATEST).text
             assert 'name="relay-port"' in page
             assert ('name="front"' in page) is is_front, path
 
 
 def test_files_are_compressed_and_kept(front: Front) -> None:
-    page = requests.get(f"{front.web}/", timeout=5)
+    page = requests.get(f"{front.web}/", timeout=LATEST)
     assert page.headers["Content-Encoding"] == "gzip"
     style = page.text.split('rel="stylesheet" href="')[1].split('"')[0]
-    file = requests.get(front.web + style, timeout=5)
+    file = requests.get(front.web + style, timeout=LATEST)
     assert "immutable" in file.headers["Cache-Control"]
     assert file.headers["Content-Encoding"] == "gzip"
 
 
 def test_who_sends_too_much_waits_for_his_turn(front: Front) -> None:
     """A file that nginx has: it answers as fast as anybody can ask."""
-    page = requests.get(f"{front.web}/", timeout=5).text
+    page = requests.get(f"{front.web}/", timeout=LATEST).text
     style = page.split('rel="stylesheet" href="')[1].split('"')[0]
-    requests.get(front.web + style, timeout=5)
+    requests.get(front.web + style, timeout=LATEST)
     ask = f"HEAD {style} HTTP/1.1\r\nHost: localhost\r\n"
     count = FILES_AT_ONCE + 2 * RATE
     began = time.monotonic()
@@ -208,7 +208,7 @@ def test_a_visitor_who_sends_nothing_is_cut(front: Front) -> None:
 
 def test_a_program_that_is_away_is_told_and_found_again(battle: Demo, front: Front) -> None:
     with battle.pause("server.rosbridge"):
-        assert requests.get(f"{front.web}/watch.json", timeout=5).ok
+        assert requests.get(f"{front.web}/watch.json", timeout=LATEST).ok
     battle.kill("server.rosbridge")
 
     def refused() -> bool:
@@ -231,9 +231,9 @@ def test_by_tls_a_browser_that_trusts_the_authority_plays(secure: Front, chromiu
 
 def test_without_tls_there_is_only_the_way_to_it(secure: Front, chromium: Browser) -> None:
     plain = f"http://localhost:{secure.http_port}"
-    answer = requests.get(f"{plain}/results?day=1", timeout=5, allow_redirects=False)
+    answer = requests.get(f"{plain}/results?day=1", timeout=LATEST, allow_redirects=False)
     assert (answer.status_code, answer.headers["Location"]) == (302, f"{secure.web}/results?day=1")
-    assert requests.get(f"{plain}/ca.crt", timeout=5).content == (secure.folder / "ca.crt").read_bytes()
+    assert requests.get(f"{plain}/ca.crt", timeout=LATEST).content == (secure.folder / "ca.crt").read_bytes()
     page = chromium.new_page()
     page.goto(f"{plain}/trust")
     expect(page.get_by_role("heading", name="Trust this arena")).to_be_visible()
@@ -242,7 +242,7 @@ def test_without_tls_there_is_only_the_way_to_it(secure: Front, chromium: Browse
 
 def test_a_cookie_that_came_by_tls_goes_back_by_tls_only(secure: Front) -> None:
     with requests.Session() as session:
-        post = partial(session.post, verify=str(secure.folder / "ca.crt"), timeout=5)
+        post = partial(session.post, verify=str(secure.folder / "ca.crt"), timeout=LATEST)
         answer = post(f"{secure.web}/signUpUser", {"data": "Fay"})
         assert "Secure" in answer.headers["Set-Cookie"]
         assert "Strict-Transport-Security" not in answer.headers, "nobody has to trust an own authority for a year"
@@ -267,7 +267,7 @@ def test_a_real_name_with_a_certificate_that_all_trust_asks_for_tls_from_then_on
     with Front(battle, tmp_path, tls=True) as front:
         for host, told in {"arena.example": True, "master.local": False, "10.0.0.7": False, "localhost": False}.items():
             trusted = str(tmp_path / "front.crt")
-            answer = requests.get(f"{front.web}/", headers={"Host": host}, verify=trusted, timeout=5)
+            answer = requests.get(f"{front.web}/", headers={"Host": host}, verify=trusted, timeout=LATEST)
             assert ("Strict-Transport-Security" in answer.headers) == told, host
 
 
@@ -276,7 +276,7 @@ def test_who_floods_the_sign_up_waits_whatever_he_says_of_himself(front: Front) 
 
     def sign_up(number: int) -> int:
         said = {"X-Forwarded-For": f"10.0.0.{number}"}
-        reply = requests.post(f"{front.web}/signUpUser", {"data": f"Gil{number}"}, headers=said, timeout=5)
+        reply = requests.post(f"{front.web}/signUpUser", {"data": f"Gil{number}"}, headers=said, timeout=LATEST)
         return reply.status_code
 
     assert requests.codes.too_many_requests in [sign_up(number) for number in range(6)]

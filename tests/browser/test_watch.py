@@ -13,7 +13,7 @@ from tests.browser.axe import violations
 from tests.support.demo import TOKEN, Demo
 from tests.support.play import hunt_down, shoot_to_the_end, start
 from tests.support.player import Eyes, Player, players_and_free_robots
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 
 PROJECTOR = {"width": 1920, "height": 1080}
 
@@ -92,10 +92,12 @@ def test_who_waits_is_told_in_order(screen: Page, battle: Demo) -> None:
     with Player(battle, "Ann"), Player(battle, "Bob"), requests.Session() as cy, requests.Session() as di:
         waiting = {"Cy": cy, "Di": di}
         for name, http in waiting.items():
-            assert '"QUEUED"' in http.post(f"{battle.web}/signUpUser", data={"data": name, "wait": 1}, timeout=5).text
+            assert (
+                '"QUEUED"' in http.post(f"{battle.web}/signUpUser", data={"data": name, "wait": 1}, timeout=LATEST).text
+            )
         expect(screen.locator("#queue-names")).to_have_text("Cy and Di")
         for name, http in waiting.items():
-            http.post(f"{battle.web}/signOutUser", data={"data": name}, timeout=5)
+            http.post(f"{battle.web}/signOutUser", data={"data": name}, timeout=LATEST)
         expect(screen.locator("#queue")).to_be_hidden()
 
 

@@ -11,7 +11,7 @@ from tests.support.compose import ComposeBattle
 from tests.support.containers import engine
 from tests.support.play import PLAYING, STOPPED, obeys, reconnect, shoot_to_the_end, start
 from tests.support.player import Eyes, Player
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 
 TOKEN = "of the test in containers"
 
@@ -43,7 +43,7 @@ def players(battle: ComposeBattle) -> Iterator[tuple[Player, Player]]:
 
 def available(battle: ComposeBattle) -> int:
     with contextlib.suppress(requests.RequestException):
-        return int(requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"])
+        return int(requests.post(f"{battle.web}/getAvailableRobots", timeout=LATEST).json()["availableR"])
     return 0
 
 
@@ -64,7 +64,7 @@ def wait_until_it_drives(battle: ComposeBattle, player: Player, seconds: float =
 
 def test_a_battle_is_played_to_its_end(battle: ComposeBattle, players: tuple[Player, Player]) -> None:
     ann, bob = players
-    page = ann.http.get(f"{battle.web}/home", timeout=5).text
+    page = ann.http.get(f"{battle.web}/home", timeout=LATEST).text
     assert f'name="rosbridge-port" content="{battle.rosbridge_port}"' in page
     with Eyes(battle) as eyes:
         shoot_to_the_end(bob, ann, eyes)  # from the emulated robot
@@ -149,7 +149,7 @@ def test_a_bot_that_crashes_plays_again(version: str, battle: ComposeBattle) -> 
 
     def give_to_bot(level: str | None) -> None:
         desk = f"{battle.web}/operator/api/robots/1"
-        assert requests.post(desk, json={"bot": level}, headers={"Authorization": f"Bearer {TOKEN}"}, timeout=5).ok
+        assert requests.post(desk, json={"bot": level}, headers={"Authorization": f"Bearer {TOKEN}"}, timeout=LATEST).ok
 
     give_to_bot("easy")
     with Player(battle, "Fay") as fay:

@@ -21,7 +21,7 @@ from tests.support import avr
 from tests.support.containers import engine, execute, remove
 from tests.support.play import shoot_to_the_end, start
 from tests.support.player import Eyes, Player
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
@@ -164,7 +164,7 @@ def test_robots_find_the_master_and_a_battle_is_played(
         battle = Battle(master, arena[0])
 
         def free() -> int:
-            return int(requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"])
+            return int(requests.post(f"{battle.web}/getAvailableRobots", timeout=LATEST).json()["availableR"])
 
         until(lambda: free() == 2, 30, "two free robots")
         with Player(battle, "Ann") as ann, Player(battle, "Bob") as bob, Eyes(battle) as eyes:

@@ -17,7 +17,7 @@ from tests.support.manifests import Manifests, customized, overlay
 from tests.support.play import PLAYING, a_bot_waits, shoot_to_the_end
 from tests.support.player import Eyes, Player
 from tests.support.pods import ClusterBattle, Pod, free_node_ports, merged
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
@@ -63,7 +63,7 @@ def test_every_container_passes_every_probe_and_none_has_ended(battle: ClusterBa
 
 def test_a_person_plays_against_the_bot_to_the_end(battle: ClusterBattle) -> None:
     with Player(battle, "Ann") as ann, Eyes(battle) as eyes:
-        page = ann.http.get(f"{battle.web}/home", timeout=5).text
+        page = ann.http.get(f"{battle.web}/home", timeout=LATEST).text
         assert f'name="rosbridge-port" content="{battle.rosbridge_port}"' in page
         assert {robot["name"]: robot["id"] for robot in eyes.robots().values()} == {"robot-0": 0, "robot-1": 1}
         assert ann.ready() == "OK"
@@ -99,9 +99,9 @@ def test_a_secret_gives_the_front_tls_from_its_next_start_on(battle: ClusterBatt
     master.start_container("front", battle.manifests, battle.addresses)
     until(partial(master.passes, "front", "readinessProbe"), 60, "the front is back")
     secure = f"https://localhost:{battle.node_ports['https']}"
-    assert requests.get(f"{secure}/watch", verify=str(secret / "tls.crt"), timeout=5).ok
+    assert requests.get(f"{secure}/watch", verify=str(secret / "tls.crt"), timeout=LATEST).ok
     plain = f"http://127.0.0.1:{battle.node_ports['http']}/watch"
-    told = requests.get(plain, headers={"Host": "arena.example"}, timeout=5, allow_redirects=False)
+    told = requests.get(plain, headers={"Host": "arena.example"}, timeout=LATEST, allow_redirects=False)
     assert told.headers["Location"] == "https://arena.example/watch"
 
 
@@ -120,7 +120,7 @@ def test_prometheus_hears_every_program_and_tells_alertmanager(battle: ClusterBa
 
 def test_a_prometheus_that_ends_is_started_again_alone(battle: ClusterBattle) -> None:
     battle.pods["monitoring"].kill("prometheus")
-    assert requests.post(f"{battle.web}/updateGameStatus", timeout=5).ok
+    assert requests.post(f"{battle.web}/updateGameStatus", timeout=LATEST).ok
     assert battle.restart_what_ended() == ["monitoring/prometheus"]
     until(partial(battle.pods["monitoring"].passes, "prometheus", "livenessProbe"), 30, "it is back")
 
@@ -160,7 +160,7 @@ def test_a_pod_that_is_older_than_the_services_ends_its_programs_until_they_are_
 def test_the_master_is_found_by_its_services_while_a_part_of_it_is_not_ready(battle: ClusterBattle) -> None:
     master = battle.pods["master"]
     master.kill("rosbridge")
-    assert requests.post(f"{battle.web}/updateGameStatus", timeout=5).ok
+    assert requests.post(f"{battle.web}/updateGameStatus", timeout=LATEST).ok
     assert battle.restart_what_ended() == ["master/rosbridge"]
     battle.wait_until_ready()
 
@@ -244,10 +244,10 @@ def test_a_real_robot_gets_the_id_of_its_node(version: str, arduino: str, tmp_pa
         robot.wait_until_ready()
 
         def robots() -> int:
-            return int(requests.post(f"{web}/getAvailableRobots", timeout=5).json()["availableR"])
+            return int(requests.post(f"{web}/getAvailableRobots", timeout=LATEST).json()["availableR"])
 
         until(lambda: robots() == 1, 30, "the robot is offered")
-        reply = requests.post(f"{web}/signUpUser", data={"data": "Ann"}, timeout=5)
+        reply = requests.post(f"{web}/signUpUser", data={"data": "Ann"}, timeout=LATEST)
         assert json.loads(reply.text)["robot"] == 2
     finally:
         robot.remove()

@@ -10,7 +10,7 @@ from tests.support.manifests import Manifests, customized
 from tests.support.play import PLAYING, a_bot_waits, obeys, reconnect, shoot_to_the_end
 from tests.support.player import Eyes, Hunter, Player
 from tests.support.pods import ClusterBattle, free_node_ports, merged
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 
 pytestmark = pytest.mark.slow
 DAMAGE = 10
@@ -63,7 +63,7 @@ def test_a_battle_goes_on_when_the_masters_pod_is_replaced(versions: Iterator[Ma
 
             shoot_to_the_end(ann, prey, eyes)
             result = {entry["name"]: entry["life"] for entry in ann.look()["result"]}
-        listed = requests.get(f"{battle.web}/results.json", timeout=5).json()
+        listed = requests.get(f"{battle.web}/results.json", timeout=LATEST).json()
         (kept,) = listed["battles"]
         assert (kept["number"], kept["running"]) == (before["battle"], False)
         assert {each["name"]: each["life"] for each in kept["fighters"]} == result

@@ -18,7 +18,7 @@ from tests.support.battle import PORTS, Battle
 from tests.support.demo import Demo
 from tests.support.play import hunt_down, obeys, start
 from tests.support.player import Eyes, Player, players_and_free_robots
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.processes import command_line, descendants
 from tests.support.programs import ROOT, Program
@@ -38,7 +38,7 @@ def refusal(program: Program) -> str:
 
 def become_operator(bridge: Connection, battle: Battle, token: str) -> None:
     bearer = {"Authorization": f"Bearer {token}"}
-    drive = requests.get(f"{battle.web}/operator/api/drive", headers=bearer, timeout=5).json()
+    drive = requests.get(f"{battle.web}/operator/api/drive", headers=bearer, timeout=LATEST).json()
     assert drive["port"] == battle.rosbridge_port
     bridge.send(json.dumps({"op": "auth", "client": "operator", "mac": drive["ticket"]}))
 

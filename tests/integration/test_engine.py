@@ -16,7 +16,7 @@ import psutil
 import pytest
 import requests
 
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 
@@ -129,7 +129,7 @@ def test_chosen_ports_of_a_private_engine_are_reached_through_the_systems() -> N
 
     def answers() -> bool:
         with contextlib.suppress(requests.ConnectionError):
-            return requests.get(f"http://127.0.0.1:{port}", timeout=5).ok
+            return requests.get(f"http://127.0.0.1:{port}", timeout=LATEST).ok
         return False
 
     try:

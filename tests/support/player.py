@@ -15,7 +15,7 @@ from websockets.sync.client import connect
 from laser_bot_battle.geometry import Pose, bearing, wrap
 from server.bots.mind import Mind, Skill
 from server.bots.paths import Paths
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 
 SWEEP = math.radians(30)  # off the prey: the light is on
 MERCILESS = Skill(mercy=0, reaction=0, aim_error=0, reload=(0, 0), rest=(0, 0), roam_chance=0)
@@ -90,7 +90,7 @@ class Player:
     def sign_up(self) -> dict[str, Any]:
         """As often as it takes: an address has so many sign-ups in a while."""
         while (
-            reply := self.http.post(f"{self.battle.web}/signUpUser", data={"data": self.name}, timeout=5)
+            reply := self.http.post(f"{self.battle.web}/signUpUser", data={"data": self.name}, timeout=LATEST)
         ) is not None:
             if reply.status_code != requests.codes.too_many_requests:
                 break
@@ -103,7 +103,7 @@ class Player:
             http.cookies.update(self.http.cookies)
             while not self._gone.wait(2.0):
                 with contextlib.suppress(requests.ConnectionError, requests.Timeout):
-                    http.post(f"{self.battle.web}/updateGameStatus", timeout=5)
+                    http.post(f"{self.battle.web}/updateGameStatus", timeout=LATEST)
 
     def connect(self) -> None:
         """Open a connection to rosbridge; forget what an earlier one told."""
@@ -116,7 +116,7 @@ class Player:
         return WebSocketBridge(self.battle.bridge, self.robot, cookies)
 
     def post(self, route: str, **fields: object) -> dict[str, Any]:
-        reply = self.http.post(f"{self.battle.web}/{route}", data=fields, timeout=5)
+        reply = self.http.post(f"{self.battle.web}/{route}", data=fields, timeout=LATEST)
         return dict(json.loads(reply.text))
 
     def ready(self, value: int = 1) -> str:
@@ -156,8 +156,8 @@ class Player:
 def players_and_free_robots(battle: Place) -> tuple[list[tuple[str, int]], int] | None:
     """Who drives which robot, and how many are left; None while the server is away."""
     try:
-        users = requests.post(f"{battle.web}/updateGameStatus", timeout=5).json()["users"]
-        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=5).json()["availableR"]
+        users = requests.post(f"{battle.web}/updateGameStatus", timeout=LATEST).json()["users"]
+        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=LATEST).json()["availableR"]
     except requests.RequestException:
         return None
     return [(user["name"], user["robot"]) for user in json.loads(users)], free
@@ -168,7 +168,7 @@ class Eyes:
 
     def __init__(self, battle: Place) -> None:
         self.view = connect(battle.view, max_queue=None)
-        self.floor: dict[str, Any] = json.loads(self.view.recv(timeout=5))
+        self.floor: dict[str, Any] = json.loads(self.view.recv(timeout=LATEST))
         self._robots: dict[int, dict[str, Any]] = {}
 
     def robots(self) -> dict[int, dict[str, Any]]:

@@ -14,7 +14,7 @@ from robot.camera.settings import NO_CAMERA
 from tests.integration.camera.conftest import STOPPED, Relay, tell_camera
 from tests.integration.rosbridge.ends import RosSide
 from tests.support.fake_camera import FakeCamera
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
@@ -63,7 +63,7 @@ def test_no_more_viewers_than_are_allowed(ros_master: RosMaster, referee: RosSid
         for viewer in viewers:
             viewer.operate().metrics()
         assert [is_full() for _ in range(3)] == [False, False, True]
-        assert requests.get(f"http://127.0.0.1:{relay.port}", timeout=5).status_code == 426  # it is full, not sick
+        assert requests.get(f"http://127.0.0.1:{relay.port}", timeout=LATEST).status_code == 426  # it is full, not sick
         viewers[-1].close()
         until(lambda: not is_full(), what="a place after another has left")
 

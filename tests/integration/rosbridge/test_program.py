@@ -13,7 +13,7 @@ from websockets.exceptions import InvalidStatus
 
 from tests.integration.rosbridge.conftest import Rosbridge
 from tests.integration.rosbridge.ends import NEUTRAL, Client, RosSide
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
@@ -57,7 +57,7 @@ def test_no_more_clients_of_one_address_are_let_in_than_are_good_for_all(ros_mas
             for _ in range(51):
                 clients.append(Client(port))
         assert len(clients) == 50
-        assert requests.get(f"http://127.0.0.1:{port}", timeout=5).status_code == 426  # it is full, not sick
+        assert requests.get(f"http://127.0.0.1:{port}", timeout=LATEST).status_code == 426  # it is full, not sick
     finally:
         for connected in clients:
             connected.close()
@@ -76,7 +76,7 @@ def may_connect(port: int) -> bool:
 def test_a_plain_request_is_told_to_upgrade_and_leaves_no_line_in_the_log(ros_master: RosMaster) -> None:
     rosbridge = Rosbridge(ros_master)
     before = rosbridge.program.wait_for("listening")
-    answer = requests.get(f"http://127.0.0.1:{rosbridge.port}", timeout=5)
+    answer = requests.get(f"http://127.0.0.1:{rosbridge.port}", timeout=LATEST)
     assert answer.status_code == 426
     assert answer.headers["Upgrade"] == "websocket"
     assert answer.headers["Connection"] == "Upgrade, close"

@@ -13,7 +13,7 @@ import pytest
 import requests
 
 from server.game.robot import HIT_INTERVAL
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import HOST, RosMaster, own_master, ros_master
@@ -100,7 +100,7 @@ class Page:
         self.name = ""
 
     def post(self, route: str, **fields: object) -> dict[str, Any]:
-        with self._http.post(f"{self._url}/{route}", data=fields, timeout=5) as response:
+        with self._http.post(f"{self._url}/{route}", data=fields, timeout=LATEST) as response:
             content: dict[str, Any] = response.json()
         return content
 

@@ -13,7 +13,7 @@ from server.game.events import BattleEnded, Hit
 from server.game.replay import replay
 from tests.integration.server.conftest import GameServer, RobotPeer, StatusPeer
 from tests.support.databases import events
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.postgres import Postgres, postgres
 
 __all__ = ["postgres"]
@@ -83,7 +83,7 @@ def test_a_server_that_ends_in_a_battle_goes_on_with_it(
 def desk(server: GameServer, method: str, path: str, **body: object) -> dict[str, Any]:
     """What the operator's interface answers."""
     url, bearer = f"{server.url}/operator/api/{path}", {"Authorization": f"Bearer {TOKEN}"}
-    answer = requests.request(method, url, headers=bearer, json=body if method == "POST" else None, timeout=5)
+    answer = requests.request(method, url, headers=bearer, json=body if method == "POST" else None, timeout=LATEST)
     answer.raise_for_status()
     return dict(answer.json())
 

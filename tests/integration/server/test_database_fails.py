@@ -17,7 +17,7 @@ from tests.integration.server.conftest import GameServer, Page, RobotPeer, Statu
 from tests.integration.server.test_operator import TOKEN, Desk
 from tests.support.databases import events, taken
 from tests.support.lan import needs_root
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.postgres import Postgres, own_postgres
 from tests.support.programs import Program
@@ -202,7 +202,7 @@ def test_a_file_that_is_deleted_in_a_battle_is_told_and_loses_nothing(fight, tmp
         told = until(lambda: desk.get("state")["database"]["mishap"], 10, "the desk tells it")
         assert told == f"{file} was deleted while it was open: all that was in it has been written there again"
         battle.server.program.wait_for(told)
-        with requests.get(f"http://{metrics}/metrics", timeout=5) as answer:
+        with requests.get(f"http://{metrics}/metrics", timeout=LATEST) as answer:
             assert "laserbot_database_replacements_total 1.0" in answer.text
         battle.hit()
         desk.say("battle", action="abort")
@@ -211,7 +211,7 @@ def test_a_file_that_is_deleted_in_a_battle_is_told_and_loses_nothing(fight, tmp
     finally:
         desk.close()
     battle.restart()
-    with requests.get(f"{battle.server.url}/results/1.json", timeout=5) as answer:
+    with requests.get(f"{battle.server.url}/results/1.json", timeout=LATEST) as answer:
         result = answer.json()
     assert {one["name"]: one["hits_taken"] for one in result["fighters"]} == {"ann": 0, "bob": 4}
     assert hits(file_of(tmp_path)) == [99, 98, 97, 96]

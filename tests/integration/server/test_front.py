@@ -15,7 +15,7 @@ import requests
 
 from server.front.configuration import CONNECTIONS, configuration
 from server.front.settings import FrontSettings
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port, listening
 from tests.support.programs import Program
 
@@ -49,7 +49,7 @@ def test_port_80_shows_the_way_by_the_ports_that_the_visitor_sees(certificate: P
             "[fe80::1]": "https://[fe80::1]",
             "[fe80::1]:8000": f"https://[fe80::1]:{https}",
         }.items():
-            answer = requests.get(f"{address}/watch", headers={"Host": host}, timeout=5, allow_redirects=False)
+            answer = requests.get(f"{address}/watch", headers={"Host": host}, timeout=LATEST, allow_redirects=False)
             assert (answer.status_code, answer.headers["Location"]) == (HTTPStatus.FOUND, f"{way}/watch")
 
 
@@ -105,7 +105,7 @@ def test_what_a_visitor_says_of_proxies_is_not_passed_on() -> None:
         try:
             with front(LASERBOT_WEB_PORT=str(web.server_port)) as address:
                 port = address.rpartition(":")[2]
-                requests.get(f"http://[::1]:{port}/", headers=said, timeout=5)
+                requests.get(f"http://[::1]:{port}/", headers=said, timeout=LATEST)
         finally:
             web.shutdown()
             thread.join()
@@ -139,7 +139,7 @@ def test_one_address_cannot_have_all_connections() -> None:
             return len(held) >= CONNECTIONS
 
         until(full, 30, "the address has all that it may have")
-        until(lambda: requests.get(f"{url}/home", timeout=5).status_code == HTTPStatus.SERVICE_UNAVAILABLE, 5)
+        until(lambda: requests.get(f"{url}/home", timeout=LATEST).status_code == HTTPStatus.SERVICE_UNAVAILABLE, 5)
         call("127.0.0.3")
         until(lambda: held[-1] == "127.0.0.3", 5, "another address has room")
         assert held[:-1] == ["127.0.0.1"] * CONNECTIONS

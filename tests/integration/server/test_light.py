@@ -8,7 +8,7 @@ import pytest
 import requests
 
 from tests.integration.server.conftest import GameServer
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.programs import Program
 
 TOKEN = "the operators' token"
@@ -133,6 +133,6 @@ def test_an_operator_asks_a_robot_to_show_itself(new_duel: Callable[..., Duel]) 
 
 def operate(server: GameServer, method: str, path: str, body: object = None) -> dict[str, Any]:
     address, headers = f"{server.url}/operator/api/{path}", {"Authorization": f"Bearer {TOKEN}"}
-    with requests.request(method, address, json=body, headers=headers, timeout=5) as response:
+    with requests.request(method, address, json=body, headers=headers, timeout=LATEST) as response:
         content: dict[str, Any] = response.json()
     return content

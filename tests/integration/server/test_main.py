@@ -6,7 +6,7 @@ import socket
 import pytest
 import requests
 
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import listening
 from tests.support.programs import Program
 
@@ -104,7 +104,7 @@ def test_slow_clients_do_not_hold_up_the_others(server):
     try:
         for client in stalled:
             client.sendall(b"POST /signUpUser HTTP/1.1\r\nHost: x\r\nContent-Length: 100\r\n\r\ndata=")
-        response = requests.post(f"{server.url}/getAvailableRobots", timeout=5)
+        response = requests.post(f"{server.url}/getAvailableRobots", timeout=LATEST)
         assert response.json()["status"] == "OK"
         response.close()
     finally:

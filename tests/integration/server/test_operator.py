@@ -7,7 +7,7 @@ import pytest
 import requests
 
 from tests.integration.rosbridge.ends import NEUTRAL, Client
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
@@ -24,13 +24,13 @@ class Desk:
         self._http.headers["Authorization"] = f"Bearer {TOKEN}"
 
     def get(self, path: str) -> dict[str, Any]:
-        with self._http.get(f"{self._api}/{path}", timeout=5) as response:
+        with self._http.get(f"{self._api}/{path}", timeout=LATEST) as response:
             response.raise_for_status()
             content: dict[str, Any] = response.json()
         return content
 
     def say(self, path: str, **content: Any) -> None:
-        with self._http.post(f"{self._api}/{path}", json=content, timeout=5) as response:
+        with self._http.post(f"{self._api}/{path}", json=content, timeout=LATEST) as response:
             assert (response.status_code, response.json()) == (200, {}), response.text
 
     def close(self) -> None:

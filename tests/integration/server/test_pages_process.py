@@ -9,7 +9,7 @@ import pytest
 import requests
 
 from tests.integration.server.conftest import GameServer
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 
 
 def pages_of(server: GameServer) -> psutil.Process:
@@ -29,11 +29,11 @@ def test_pages_are_made_in_a_process_that_stands_behind_the_game(server: GameSer
 
 
 def test_a_page_that_the_browser_has_is_not_sent_again(server: GameServer) -> None:
-    first = requests.get(f"{server.url}/results", timeout=5)
+    first = requests.get(f"{server.url}/results", timeout=LATEST)
     assert first.headers["Cache-Control"] == "no-cache"
-    again = requests.get(f"{server.url}/results", timeout=5, headers={"If-None-Match": first.headers["ETag"]})
+    again = requests.get(f"{server.url}/results", timeout=LATEST, headers={"If-None-Match": first.headers["ETag"]})
     assert (again.status_code, again.content) == (304, b"")
-    assert requests.head(f"{server.url}/results", timeout=5).headers["ETag"] == first.headers["ETag"]
+    assert requests.head(f"{server.url}/results", timeout=LATEST).headers["ETag"] == first.headers["ETag"]
 
 
 def test_it_is_started_again_when_it_dies(server: GameServer) -> None:
@@ -53,20 +53,20 @@ def test_a_vote_is_open_again_in_one_that_was_started_again(launch: Callable[...
     choices = [{"name": name, "own": False} for name in ("children", "beginners")]
     bearer = {"Authorization": "Bearer the operators' token"}
     route = f"{server.url}/operator/api/vote"
-    assert requests.post(route, json={"choices": choices}, headers=bearer, timeout=5).status_code == 200
+    assert requests.post(route, json={"choices": choices}, headers=bearer, timeout=LATEST).status_code == 200
     with requests.Session() as phone:
 
         def votes() -> list[int] | None:
             """For each choice; None while there is no vote to be seen."""
-            answer = phone.get(f"{server.url}/audience", timeout=5)
+            answer = phone.get(f"{server.url}/audience", timeout=LATEST)
             vote = answer.json()["vote"] if answer.ok else None
             return vote and [choice["votes"] for choice in vote["choices"]]
 
         until(lambda: votes() == [0, 0], 5, "the vote is open")
-        number = phone.get(f"{server.url}/audience", timeout=5).json()["vote"]["number"]
+        number = phone.get(f"{server.url}/audience", timeout=LATEST).json()["vote"]["number"]
         for cast in (f"vote?number={number}&choice=1", "cheer?name=ada"):
-            assert phone.post(f"{server.url}/audience/{cast}", timeout=5).status_code == 200
-        assert phone.post(f"{server.url}/audience/vote?number=1&choice=1", timeout=5).status_code == 410
+            assert phone.post(f"{server.url}/audience/{cast}", timeout=LATEST).status_code == 200
+        assert phone.post(f"{server.url}/audience/vote?number=1&choice=1", timeout=LATEST).status_code == 410
         until(lambda: votes() == [0, 1], 5, "it is counted")
         pages_of(server).kill()
         until(lambda: votes() == [0, 0], 5, "it is open again")

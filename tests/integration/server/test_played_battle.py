@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 import requests
 
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 
 
 @pytest.fixture
@@ -133,7 +133,7 @@ def test_bad_input_over_real_http_is_answered_in_json(server):
             yield b"data=" + b"x" * 1000
 
     def post(**request):
-        with requests.post(f"{server.url}/signUpUser", timeout=5, **request) as response:
+        with requests.post(f"{server.url}/signUpUser", timeout=LATEST, **request) as response:
             return response.status_code, response.json()["status"]
 
     form = {"Content-Type": "application/x-www-form-urlencoded"}

@@ -7,14 +7,14 @@ from collections.abc import Callable
 import pytest
 import requests
 
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.programs import ROOT
 
 
 @pytest.fixture
 def get(server) -> Callable[[str], requests.Response]:
     def ask(path: str) -> requests.Response:
-        with requests.get(f"{server.url}/{path}", timeout=5) as response:
+        with requests.get(f"{server.url}/{path}", timeout=LATEST) as response:
             return response
 
     return ask

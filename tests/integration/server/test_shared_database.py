@@ -8,7 +8,7 @@ import requests
 
 from tests.integration.server.conftest import GameServer
 from tests.integration.server.test_back_again import hit_counts
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.postgres import Postgres, postgres
 from tests.support.ros import RosMaster
 
@@ -59,5 +59,5 @@ def test_two_arenas_have_one_leaderboard_and_each_its_own_battle(
 
 
 def has_leaderboard(server: GameServer, wins: list[tuple[str, int]]) -> bool:
-    players = requests.get(f"{server.url}/results/leaderboard.json", timeout=5).json()["players"]
+    players = requests.get(f"{server.url}/results/leaderboard.json", timeout=LATEST).json()["players"]
     return [(player["name"], player["wins"]) for player in players] == wins

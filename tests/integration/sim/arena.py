@@ -10,7 +10,7 @@ from typing import Any, Self
 from websockets.sync.client import connect
 
 from laser_bot_battle.geometry import METRES_PER_HALF_STEP, TRACK
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 
@@ -46,8 +46,8 @@ class Arena:
     def look(self) -> dict[str, dict[str, Any]]:
         """The robots now on the floor, by name, as a new viewer sees them."""
         with connect(self.view_url) as view:
-            assert json.loads(view.recv(timeout=5))["type"] == "arena"
-            state = json.loads(view.recv(timeout=5))
+            assert json.loads(view.recv(timeout=LATEST))["type"] == "arena"
+            state = json.loads(view.recv(timeout=LATEST))
         assert state["type"] == "state"
         return {robot["name"]: robot for robot in state["robots"]}
 
@@ -57,7 +57,7 @@ class Hardware:
 
     def __init__(self, arena: Arena, name: str | None, wheels: tuple[int, int] = (0, 0)) -> None:
         """Say hello as `name`; say nothing if it is None."""
-        self._socket = socket.create_connection((HOST, arena.link_port), timeout=5)
+        self._socket = socket.create_connection((HOST, arena.link_port), timeout=LATEST)
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._lines = self._socket.makefile("rb")
         self.left, self.right = wheels

@@ -16,16 +16,16 @@ from laser_bot_battle.openings import OF_ADDRESS
 from laser_bot_battle.proxies import FORWARDED
 from sim.arena.view import MAX_VIEWERS
 from tests.integration.sim.arena import HOST, Arena, Hardware
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 
 
 def test_a_viewer_gets_the_arena_and_then_its_states(arena: Arena) -> None:
     with connect(arena.view_url) as view:
-        first = json.loads(view.recv(timeout=5))
+        first = json.loads(view.recv(timeout=LATEST))
         assert (first["type"], first["width"], first["height"]) == ("arena", 1.6, 1.2)
-        states = [json.loads(view.recv(timeout=5)) for _ in range(50)]
+        states = [json.loads(view.recv(timeout=LATEST)) for _ in range(50)]
     assert {state["type"] for state in states} == {"state"}
     assert all(later["time"] > sooner["time"] for sooner, later in pairwise(states))
 
@@ -33,10 +33,10 @@ def test_a_viewer_gets_the_arena_and_then_its_states(arena: Arena) -> None:
 @pytest.mark.slow
 def test_the_view_has_30_states_a_second(arena: Arena) -> None:
     with connect(arena.view_url) as view:
-        view.recv(timeout=5)
+        view.recv(timeout=LATEST)
         start = time.monotonic()
         for _ in range(50):
-            view.recv(timeout=5)
+            view.recv(timeout=LATEST)
         assert 20 < 50 / (time.monotonic() - start) < 35
 
 
@@ -49,17 +49,17 @@ def test_a_viewer_sees_robots_come_drive_and_go(arena: Arena) -> None:
         robot.drive_to(0.5, 0.2)
         assert (arena.look()["virtual1"]["x"], arena.look()["virtual1"]["y"]) == pytest.approx((0.5, 0.2), abs=0.01)
     with connect(arena.view_url) as view:
-        while json.loads(view.recv(timeout=5)).get("robots") != []:
+        while json.loads(view.recv(timeout=LATEST)).get("robots") != []:
             pass
 
 
 def test_a_viewer_that_does_not_read_holds_up_nobody(arena: Arena) -> None:
     with connect(arena.view_url, max_queue=1, close_timeout=0.1) as slow:
-        slow.recv(timeout=5)  # and never again
+        slow.recv(timeout=LATEST)  # and never again
         with Hardware(arena, "virtual0") as robot, connect(arena.view_url) as view:
             robot.drive_to(0.5, 0.2)
             for _ in range(60):
-                view.recv(timeout=5)
+                view.recv(timeout=LATEST)
 
 
 @pytest.mark.parametrize("junk", ["hello", b"\0\1\2", "x" * 5000], ids=["text", "binary", "long"])
@@ -70,20 +70,20 @@ def test_what_a_viewer_says_does_not_matter(arena: Arena, junk: str | bytes) -> 
 
 
 def test_the_page_is_served_with_the_drawing_of_the_players_pages(arena: Arena) -> None:
-    page = requests.get(arena.page, timeout=5)
+    page = requests.get(arena.page, timeout=LATEST)
     assert page.headers["Content-Type"].startswith("text/html")
     for file in ("static/arena.css", "static/arena.js", "static/icon.svg", "drawing/picture.js", "drawing/scene.js"):
-        assert requests.get(arena.page + file, timeout=5).status_code == 200
+        assert requests.get(arena.page + file, timeout=LATEST).status_code == 200
     for secret in ("static/../arena/__main__.py", "drawing/../battle/hits.js", "nowhere"):
         asked = requests.Request("GET", arena.page).prepare()
         asked.url = arena.page + secret  # as it is
         with requests.Session() as session:
-            assert session.send(asked, timeout=5).status_code == 404
+            assert session.send(asked, timeout=LATEST).status_code == 404
 
 
 @pytest.mark.parametrize("path", ["", "static/arena.js", "nothing.js"])
 def test_every_answer_says_what_a_browser_may_do(arena: Arena, path: str) -> None:
-    headers = requests.get(arena.page + path, timeout=5).headers
+    headers = requests.get(arena.page + path, timeout=LATEST).headers
     assert "default-src 'self'" in headers["Content-Security-Policy"]
     assert "frame-ancestors 'none'" in headers["Content-Security-Policy"]
     assert headers["X-Content-Type-Options"] == "nosniff"
@@ -91,7 +91,7 @@ def test_every_answer_says_what_a_browser_may_do(arena: Arena, path: str) -> Non
 
 def test_a_state_goes_uncompressed_or_each_viewer_would_cost_its_compression(arena: Arena) -> None:
     with connect(arena.view_url, compression="deflate") as view:
-        assert json.loads(view.recv(timeout=5))["type"] == "arena"
+        assert json.loads(view.recv(timeout=LATEST))["type"] == "arena"
         assert view.protocol.extensions == []
 
 
@@ -117,7 +117,7 @@ def test_a_signal_ends_the_arena_cleanly(signum: signal.Signals) -> None:
     arena = Arena()
     with Hardware(arena, "virtual0") as robot, connect(arena.view_url) as view:
         assert robot.line() == "light 0"
-        view.recv(timeout=5)
+        view.recv(timeout=LATEST)
         assert arena.program.stop(signum, seconds=5) == 0
     assert "Traceback" not in arena.program.output
 

@@ -17,7 +17,7 @@ from PIL import Image
 from sim.arena.cameras.pages import MAX_CONNECTIONS, RATE
 from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.integration.sim.stream import Stream
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.timecode import time_of
 
 
@@ -170,10 +170,10 @@ def test_there_are_not_more_pictures_than_were_asked_for(arena: Arena) -> None:
 @pytest.mark.usefixtures("robot")
 def test_only_the_head_costs_no_picture_and_nothing_can_be_sent(arena: Arena, path: str) -> None:
     address = f"{arena.page}eyes/virtual1/{path}"
-    head = requests.head(address, headers=AS_THE_RELAY, timeout=5)
+    head = requests.head(address, headers=AS_THE_RELAY, timeout=LATEST)
     assert head.status_code == 200
     assert head.headers["Content-Type"].startswith("multipart/x-mixed-replace" if path == "stream" else "image/jpeg")
-    assert requests.post(address, data="picture", timeout=5).status_code == 405
+    assert requests.post(address, data="picture", timeout=LATEST).status_code == 405
     assert painters(arena) == []
 
 
@@ -275,7 +275,7 @@ def test_with_a_time_code_a_picture_tells_when_it_was_taken(new_arena: Callable[
 
 
 def test_the_arenas_other_pages_are_as_before(arena: Arena) -> None:
-    connection = http.client.HTTPConnection(HOST, arena.view_port, timeout=5)
+    connection = http.client.HTTPConnection(HOST, arena.view_port, timeout=LATEST)
     connection.request("GET", "/", headers={"Sec-Fetch-Site": "cross-site"})
     answer = connection.getresponse()
     assert (answer.status, answer.headers["Content-Type"]) == (200, "text/html")

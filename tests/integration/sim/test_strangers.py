@@ -13,6 +13,7 @@ from laser_bot_battle.openings import MOST, OF_ADDRESS
 from laser_bot_battle.proxies import FORWARDED
 from sim.arena.visits import OF_ONE
 from tests.integration.sim.arena import HOST, Arena, Hardware
+from tests.support.polling import LATEST
 
 REQUEST = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
 FROM = "127.0.0.2"  # where no proxy is
@@ -65,7 +66,7 @@ def test_one_address_has_a_share_of_all_sockets(arena: Arena) -> None:
         for _ in range(OF_ONE):
             assert answer(stack.enter_context(stranger(arena, REQUEST))) == b"HTTP/1.1 200 OK"
         assert answer(stack.enter_context(stranger(arena))) == b""
-        assert requests.get(arena.page, timeout=5).ok
+        assert requests.get(arena.page, timeout=LATEST).ok
 
 
 def test_one_address_has_a_share_of_the_view_also_behind_a_proxy(arena: Arena) -> None:
@@ -76,7 +77,7 @@ def test_one_address_has_a_share_of_the_view_also_behind_a_proxy(arena: Arena) -
         with pytest.raises(InvalidStatus, match="503"), connect(arena.view_url, additional_headers=ann):
             pass
         with connect(arena.view_url, additional_headers=bob) as viewer:
-            assert viewer.recv(timeout=5)
+            assert viewer.recv(timeout=LATEST)
 
 
 @pytest.mark.slow  # the time is real
