@@ -64,7 +64,7 @@ def _add(connection: Connection, table: Table, *names: str) -> bool:
 STEPS: tuple[Callable[[Connection], None], ...] = (_add_fighters,)
 VERSION = len(STEPS) + 1
 
-_MAKING = 0x1A5E_2B07  # a server's name for a lock is a number; this one is ours
+_MAKING = 0x1A5E_2B07  # advisory locks are known by a number; this one is ours
 
 
 class NewerError(Exception):

@@ -24,7 +24,7 @@ def hall(temporary_files: Path, tmp_path_factory: pytest.TempPathFactory) -> Ite
     folder = tmp_path_factory.mktemp("hall")
     master, port = RosMaster(folder / "ros"), free_port()
     master.start()
-    server = GameServer(master, folder / "data", (), LASERBOT_DOMAIN="*", LASERBOT_SEAT_TIMEOUT="600")
+    server = GameServer(master, folder / "data", (), LASERBOT_DOMAIN="*")
     entrance = Program.python(
         "server.entrance",
         env={

@@ -11,7 +11,7 @@ from tests.support.compose import ComposeBattle
 from tests.support.containers import engine
 from tests.support.play import PLAYING, STOPPED, obeys, reconnect, shoot_to_the_end, start
 from tests.support.player import Eyes, Player
-from tests.support.polling import LATEST, until
+from tests.support.polling import AGAIN, LATEST, until
 
 TOKEN = "of the test in containers"
 
@@ -43,7 +43,7 @@ def players(battle: ComposeBattle) -> Iterator[tuple[Player, Player]]:
 
 def available(battle: ComposeBattle) -> int:
     with contextlib.suppress(requests.RequestException):
-        return int(requests.post(f"{battle.web}/getAvailableRobots", timeout=LATEST).json()["availableR"])
+        return int(requests.post(f"{battle.web}/getAvailableRobots", timeout=AGAIN).json()["availableR"])
     return 0
 
 

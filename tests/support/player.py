@@ -15,7 +15,7 @@ from websockets.sync.client import connect
 from laser_bot_battle.geometry import Pose, bearing, wrap
 from server.bots.mind import Mind, Skill
 from server.bots.paths import Paths
-from tests.support.polling import LATEST, until
+from tests.support.polling import AGAIN, LATEST, until
 
 SWEEP = math.radians(30)  # off the prey: the light is on
 MERCILESS = Skill(mercy=0, reaction=0, aim_error=0, reload=(0, 0), rest=(0, 0), roam_chance=0)
@@ -103,7 +103,7 @@ class Player:
             http.cookies.update(self.http.cookies)
             while not self._gone.wait(2.0):
                 with contextlib.suppress(requests.ConnectionError, requests.Timeout):
-                    http.post(f"{self.battle.web}/updateGameStatus", timeout=LATEST)
+                    http.post(f"{self.battle.web}/updateGameStatus", timeout=AGAIN)
 
     def connect(self) -> None:
         """Open a connection to rosbridge; forget what an earlier one told."""
@@ -156,8 +156,8 @@ class Player:
 def players_and_free_robots(battle: Place) -> tuple[list[tuple[str, int]], int] | None:
     """Who drives which robot, and how many are left; None while the server is away."""
     try:
-        users = requests.post(f"{battle.web}/updateGameStatus", timeout=LATEST).json()["users"]
-        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=LATEST).json()["availableR"]
+        users = requests.post(f"{battle.web}/updateGameStatus", timeout=AGAIN).json()["users"]
+        free = requests.post(f"{battle.web}/getAvailableRobots", timeout=AGAIN).json()["availableR"]
     except requests.RequestException:
         return None
     return [(user["name"], user["robot"]) for user in json.loads(users)], free

@@ -14,6 +14,7 @@ LONGEST_TURN = 0.5  # s that one turn of a loop counts at most: for longer, some
 # one is.
 SLOWNESS = max(1.0, float(os.environ.get("TESTS_SLOWNESS", "1")))
 LATEST = 60.0 * SLOWNESS  # s; what has not come by then, and cannot be polled for, will not come any more
+AGAIN = 5.0  # s until an attempt is given up that is repeated anyway: a dead server must not hold up the next one
 
 
 class Patience:

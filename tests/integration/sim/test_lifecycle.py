@@ -8,7 +8,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
 from tests.integration.sim.arena import HOST
-from tests.support.polling import LATEST, until
+from tests.support.polling import AGAIN, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 
@@ -39,7 +39,7 @@ def test_the_arena_begins_anew_when_its_floor_is_another_one(tmp_path: Path) -> 
     def width() -> float:
         try:
             with connect(f"ws://{HOST}:{port}/view") as view:
-                return float(json.loads(view.recv(timeout=LATEST))["width"])
+                return float(json.loads(view.recv(timeout=AGAIN))["width"])
         except (OSError, WebSocketException):
             return 0.0
 
