@@ -27,6 +27,8 @@ LOOK = 0.5  # s between two looks at this machine's addresses
 MAX_RECORDS = 2000  # of others, which are kept for as long as they say
 FORGET = 1.0  # s between two looks at them
 
+_ENDING = (signal.SIGINT, signal.SIGTERM)
+
 _log = logging.getLogger(__name__)
 
 
@@ -37,9 +39,9 @@ def main() -> int:
     settings = read_or_exit(program, Settings.from_env, environment)
     configure_logging(settings.log_level)
     logging.getLogger("zeroconf").setLevel(logging.CRITICAL)  # it writes a traceback for anybody's broken packet
-    # Before it handles signals itself. asyncio cancels the announcer for SIGINT, and forgets why if it has just begun.
-    with contextlib.suppress(KeyboardInterrupt, asyncio.CancelledError):
-        asyncio.run(Announcer(settings).run())
+    # they wait until the announcer handles them: while asyncio sets itself up, one would end in a traceback
+    signal.pthread_sigmask(signal.SIG_BLOCK, _ENDING)
+    asyncio.run(Announcer(settings).run())
     return 0
 
 
@@ -53,8 +55,9 @@ class Announcer:
 
     async def run(self) -> None:
         """Announce until SIGINT or SIGTERM, then withdraw it."""
-        for number in (signal.SIGINT, signal.SIGTERM):
+        for number in _ENDING:
             asyncio.get_running_loop().add_signal_handler(number, self._ending.set)
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, _ENDING)
         while not self._ending.is_set():
             addresses = await self._addresses()
             if addresses:

@@ -14,7 +14,7 @@ from tests.support.programs import ROOT
 
 @pytest.fixture
 def battle(demo: Demo) -> Demo:
-    demo.play_by(countdown=1, battle_limit=2)
+    demo.play_by(countdown=3, battle_limit=2)  # s, long enough for a busy browser to be seen counting
     return demo
 
 
