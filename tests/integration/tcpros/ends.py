@@ -86,6 +86,11 @@ class RospyPeer:
         self.do("advertise", topic, latch)
         until(lambda: ["advertised", topic] in self.said, what=f"{topic} is advertised")
 
+    def subscribe(self, topic: str, as_int8: bool = False) -> None:
+        """Until the peer has done so: rospy misses a publisher that appears in the moment of subscribing."""
+        self.do("subscribe_as_int8" if as_int8 else "subscribe", topic)
+        until(lambda: ["subscribed", topic] in self.said, what=f"{topic} is subscribed")
+
     def heard(self, topic: str) -> list[Any]:
         return [line[2] for line in self.said if line[:2] == ["heard", topic]]
 

@@ -45,9 +45,11 @@ class Peer:
             self.say("heard", topic, text if len(text) <= 100 else len(text), message._connection_header["latching"])
 
         self._subscribers[topic] = rospy.Subscriber(topic, String, heard)
+        self.say("subscribed", topic)
 
     def subscribe_as_int8(self, topic: str) -> None:
         self._subscribers[topic] = rospy.Subscriber(topic, Int8, lambda _: self.say("heard", topic, "int8"))
+        self.say("subscribed", topic)
 
     def serve(self, name: str, answer: int) -> None:
         self._serve(name, AddNewRobot, lambda _: answer)

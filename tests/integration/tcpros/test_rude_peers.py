@@ -212,7 +212,7 @@ def test_while_the_master_hangs_known_peers_go_on(run: Run, node: StartNode, own
     own_master.start()
     peer = RospyPeer("peer", own_master.env)
     try:
-        peer.do("subscribe", "/t")
+        peer.subscribe("/t")
         run(scenario)
     finally:
         own_master.resume()

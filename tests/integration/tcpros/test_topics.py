@@ -41,7 +41,7 @@ def test_all_that_is_sent_right_after_advertise_reaches_who_was_there_before(
             made.publish(text("later"))
             await eventually(lambda: peer.heard(topic) == [*texts, "later"])
 
-    peer.do("subscribe", topic)
+    peer.subscribe(topic)
     run(scenario)
 
 
@@ -64,7 +64,7 @@ def test_who_subscribes_later_gets_nothing_of_before(
             made.publish(text("before"))
             ours.advertise(f"{topic}/next", STRING)  # whose turn comes when all is known about the first
             await registered(ours, 0, f"{topic}/next")
-            peer.do("subscribe", topic)
+            peer.subscribe(topic)
             await eventually(lambda: made.connections)
             made.publish(text("now"))
             await eventually(lambda: peer.heard(topic))
@@ -134,7 +134,7 @@ def test_messages_of_a_mebibyte_and_more_go_both_ways(run: Run, node: StartNode,
         assert peer.heard(f"{topic}/back") == [2**20, "", 5 * 2**20 + 1, "yyy"]
 
     peer.advertise(topic)
-    peer.do("subscribe", f"{topic}/back")
+    peer.subscribe(f"{topic}/back")
     run(scenario)
 
 
@@ -149,7 +149,7 @@ def test_a_newcomer_gets_the_last_message_of_a_latched_topic_once(
             await asyncio.sleep(0.01)  # what is early is over
             made.publish(text("old"))
             made.publish(text("last"))
-            peer.do("subscribe", topic)
+            peer.subscribe(topic)
             await eventually(lambda: peer.heard(topic))
             made.publish(text("new"))
             await eventually(lambda: peer.heard(topic) == ["last", "new"])
@@ -166,7 +166,7 @@ def test_an_early_message_of_a_latched_topic_does_not_come_twice(
             made = ours.advertise(topic, STRING, latch=True)
             made.publish(text("first"))
             made.publish(text("last"))
-            peer.do("subscribe", topic)
+            peer.subscribe(topic)
             await eventually(lambda: made.connections)
             made.publish(text("new"))
             await eventually(lambda: "new" in peer.heard(topic))
@@ -200,7 +200,7 @@ def test_a_subscriber_of_another_type_is_refused(run: Run, node: StartNode, peer
     async def scenario() -> None:
         async with node("ours") as ours:
             made = ours.advertise(topic, STRING)
-            peer.do("subscribe", f"{topic}/right")
+            peer.subscribe(f"{topic}/right")
             right = ours.advertise(f"{topic}/right", STRING)
             await eventually(lambda: right.connections)
             made.publish(text("a"))
@@ -208,7 +208,7 @@ def test_a_subscriber_of_another_type_is_refused(run: Run, node: StartNode, peer
             await eventually(lambda: peer.heard(f"{topic}/right"))
             assert made.connections == 0
 
-    peer.do("subscribe_as_int8", topic)
+    peer.subscribe(topic, as_int8=True)
     run(scenario)
 
 
@@ -224,7 +224,7 @@ def test_a_topic_that_is_left_and_taken_again_reaches_its_subscribers(
                 await eventually(lambda: str(turn) in peer.heard(topic))  # noqa: B023
                 made.close()
 
-    peer.do("subscribe", topic)
+    peer.subscribe(topic)
     run(scenario)
 
 
@@ -262,7 +262,7 @@ def test_our_node_is_found_again_after_a_restart(run: Run, node: StartNode, peer
                 made.publish(text(str(turn)))
                 await eventually(lambda: peer.heard(topic)[-1:] == [str(turn)])  # noqa: B023
 
-    peer.do("subscribe", topic)
+    peer.subscribe(topic)
     run(scenario)
 
 
