@@ -45,12 +45,14 @@ def listen(topic: str) -> None:
         print("message from", message._connection_header["callerid"], flush=True)
 
     rospy.Subscriber(topic, Empty, received)
+    print("subscribed", flush=True)
     rospy.spin()
 
 
 def show(topic: str, type_name: str) -> None:
     kind = genpy.message.get_message_class(type_name)
     rospy.Subscriber(topic, kind, lambda message: print(" ".join(str(message).split()), flush=True))
+    print("subscribed", flush=True)
     rospy.spin()
 
 

@@ -58,6 +58,7 @@ def test_a_board_that_connects_is_a_robot_until_it_leaves(
 ) -> None:
     assert robots(server) == []
     listener = start("tests.integration.robot.peers", "listen", "/Robot0/response")
+    listener.wait_for("subscribed")  # rospy misses a publisher that appears in the moment of subscribing
     with TcpBoard(port) as board:
         server.wait_for("/Robot0/command")
         assert ids.callers == ["/id_service_client_board_127_0_0_1"]
@@ -110,6 +111,7 @@ def test_a_board_with_large_buffers_sends_large_messages(
 ) -> None:
     text = TopicInfo(126, "text", "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1", 65_535)
     shown = start("tests.integration.robot.peers", "show", "/text", "std_msgs/String")
+    shown.wait_for("subscribed")  # rospy misses a publisher that appears in the moment of subscribing
     with TcpBoard(port, publishers=(text,)) as board:
         server.wait_for("/text (std_msgs/String) joined")
 

@@ -53,10 +53,11 @@ class RosSide:
         self._say(publish=[topic, kind, fields])
 
     def listen(self, topic: str, kind: str = COMMAND_TYPE) -> None:
-        """Hear a topic from now on."""
+        """Hear a topic from now on. It waits: rospy misses a publisher that appears in the moment of subscribing."""
         if topic not in self._listening:
             self._listening.add(topic)
             self._say(listen=[topic, kind])
+            until(lambda: {"listens": topic} in self._lines, what=f"the ROS side listens to {topic}")
 
     def heard(self, topic: str) -> list[dict[str, Any]]:
         """All messages of a topic that is listened to, so far."""

@@ -1,7 +1,8 @@
 """The ROS side of rosbridge in the tests, a process of its own: referee, robots and services, driven by JSON lines.
 
 stdin: {"status": {fields of GameStatus}} publishes /game_status, {"publish": [topic, type, {fields}]} publishes once,
-{"listen": [topic, type]} subscribes. stdout: {"ready": true} once, {"heard": [topic, {fields}]} per message.
+{"listen": [topic, type]} subscribes. stdout: {"ready": true} once, {"listens": topic} once it has subscribed,
+{"heard": [topic, {fields}]} per message.
 """
 
 import json
@@ -63,6 +64,7 @@ def main() -> None:
                 say(heard=[topic, plain(message)])
 
             subscribers.append(rospy.Subscriber(topic, kind, heard, tcp_nodelay=True))
+            say(listens=topic)
     rospy.signal_shutdown("the test is over")
 
 
