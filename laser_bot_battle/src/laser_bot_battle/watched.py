@@ -21,6 +21,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 from prometheus_client.registry import Collector
 
 from laser_bot_battle import listening
+from laser_bot_battle.connection_limits import ConnectionLimits
 from laser_bot_battle.names import WATCHED
 
 T = TypeVar("T")
@@ -28,6 +29,8 @@ Address = tuple[str, int]  # where the first of the programs is watched
 
 PATIENCE = 5.0  # s, with a visitor, and with the owner of the figures
 TEXT = "text/plain; charset=utf-8"
+# visitors at once, each of whom has a thread of the program's: in all, of another machine, and for how long
+VISITORS, OF_ONE_MACHINE, VISIT = 40, 10, 30.0  # s
 
 _log = logging.getLogger(__name__)
 
@@ -116,6 +119,7 @@ class _Server(socketserver.ThreadingTCPServer):
 
     def __init__(self, bind: str, port: int, owner: Owner) -> None:
         self.owner = owner
+        self._limits = ConnectionLimits(VISITORS, VISIT, OF_ONE_MACHINE)
         self.registry = CollectorRegistry()
         self.registry.register(_Metrics(owner))
         ProcessCollector(registry=self.registry)
@@ -123,6 +127,9 @@ class _Server(socketserver.ThreadingTCPServer):
         self.socket.close()
         self.socket = listening.bind(bind, port)  # type: ignore[assignment]  # it does all that the server asks of one
         self.server_activate()
+
+    def verify_request(self, request: Any, client_address: Any) -> bool:
+        return self._limits.take(request, client_address[0])
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         _log.debug("a visitor at %s was lost", client_address, exc_info=True)
