@@ -3,7 +3,6 @@
 import asyncio
 import logging
 import time
-from collections import deque
 from collections.abc import Callable, Coroutine, Iterable, Sequence
 from functools import partial
 from pickle import PickleBuffer
@@ -46,6 +45,7 @@ from server.rosbridge.effects import (
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.large_requests import read, unpacked
+from server.rosbridge.line import Line
 from server.rosbridge.metrics import Delays, metrics, missing
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.outgoing import asked_frames, replied, replied_frames, takes_long
@@ -68,8 +68,6 @@ TICK = 0.5  # s
 LAST_CALL = 10.0  # s
 # A publish waits no longer for what the client has subscribed to before, whatever hangs.
 LATER = 1.0  # s
-# Of a topic's messages that wait for a large one before them; the oldest give way.
-MAX_WAITING = 64 * 2**20  # bytes
 _HOLDING = (Unpack, Read, GoOn)  # what a client has sent since waits for these
 GATE = "gate"  # takes part in the graph of topics as if it were a client
 
@@ -89,7 +87,7 @@ class Bridge:
         self._offered = OfferedServices(self._perform)
         self.outside = Outside()
         # messages, each for some subscriptions, of topics of which a large one is being encoded
-        self._lines: dict[str, deque[tuple[Delivery, list[Subscription]]]] = {}
+        self._lines: dict[str, Line] = {}
         self._latest: Delivery | None = None  # large one: who comes soon after it gets what has been encoded
         self._ros = ros = Ros(node, types, clock, self.outside, deliver=self._deliver, troubled=self._troubled)
         self._performers: dict[type, Callable[[Client | None, Any], object]] = {
@@ -368,16 +366,14 @@ class Bridge:
             if not any(message.takes_long(each.form) for each in subscriptions):
                 self._send_to(subscriptions, topic, message)
                 return
-            line = self._lines[topic] = deque()
+            line = self._lines[topic] = Line()
             self._start(self._encode(topic, line))
-        line.append((message, subscriptions))
-        while len(line) > 1 and sum(len(waiting) for waiting, _ in line) > MAX_WAITING:
-            line.popleft()
+        line.put(message, subscriptions)
 
-    async def _encode(self, topic: str, line: deque[tuple[Delivery, list[Subscription]]]) -> None:
+    async def _encode(self, topic: str, line: Line) -> None:
         """Send what waits, in its order."""
         while line:
-            message, subscriptions = line.popleft()
+            message, subscriptions = line.next()
             try:
                 while long := {each.form for each in subscriptions if message.takes_long(each.form)}:
                     for form in long:

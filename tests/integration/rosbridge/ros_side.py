@@ -14,6 +14,7 @@ from typing import Any
 import genpy
 import roslib.message
 import rospy
+from std_srvs.srv import Trigger, TriggerResponse
 
 from laser_bot_battle.msg import GameStatus, UserStatus
 from laser_bot_battle.rospy_cures import latched_publisher
@@ -45,6 +46,7 @@ def main() -> None:
 
     for name, answer in {"/add_new_robot": lambda _: 7, "/fails": fails, "/slow": slow}.items():
         rospy.Service(name, AddNewRobot, answer)
+    rospy.Service("/long_answer", Trigger, lambda _: TriggerResponse(True, "long " * 300_000))
     say(ready=True)
     for text in sys.stdin:
         line = json.loads(text)

@@ -182,6 +182,19 @@ def test_nobody_waits_for_a_long_request_to_a_service(
     assert keeper.hear(20)["args"]["map"]["data"] == cells(5)["data"]
 
 
+@pytest.mark.parametrize("service", ["/long_answer", "/rosapi/topics_and_raw_types"])
+def test_nobody_waits_for_a_long_answer_of_a_service(client: Connect, frozen: psutil.Process, service: str) -> None:
+    caller, other = client().operate(), client().operate()
+    until(lambda: is_there(other, service))
+    caller.say("call_service", service=service, id="1")
+    assert caller.hears_nothing_for_now()
+    other.say("call_service", service="/rosapi/get_time", id="now")
+    assert other.hear()["id"] == "now"
+    frozen.send_signal(signal.SIGCONT)
+    answer = caller.hear(20)
+    assert (answer["id"], answer["result"]) == ("1", True)
+
+
 def test_what_is_wrong_with_a_long_request_to_a_service_is_told(client: Connect, keeper: Client) -> None:
     caller = client().operate()
     caller.say("call_service", service="/keep", id="1", args={"map": {"data": "y" * 10**5}})
