@@ -61,9 +61,14 @@ test("pictures that are asked for seldom are judged by how long they are waited 
 
 test("each level costs less than the one before", () => {
   for (let n = 1; n < LEVELS.length; n++) {
-    for (const part of ["glow", "smoke", "sparks", "density"]) assert.ok(LEVELS[n][part] <= LEVELS[n - 1][part]);
+    for (const part of ["glow", "smoke", "sparks", "density", "pictures"]) assert.ok(LEVELS[n][part] <= LEVELS[n - 1][part]);
   }
   assert.ok(LEVELS.at(-1).density >= 1); // letters stay sharp
+});
+
+test("where one picture takes long, there are no more than 30 a second", () => {
+  draw(10, 40);
+  assert.ok(governor.effects.pictures <= 30);
 });
 
 test("effects come back slowly, one by one", () => {
