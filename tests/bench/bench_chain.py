@@ -34,7 +34,7 @@ from tests.support.programs import ROOT, Program
 AVR_HZ = 16_000_000
 ROBOT = 3  # the one with a trace
 PRESSES = 200
-HITS = 50
+HITS = 90  # a player has 100 lives
 SHOTS_APART = 0.6  # s; a shooter can fire once in 0.5 s
 MARKS = 15  # of a packet
 DARKNESS = 4000  # us; a robot that sees a packet waits for news until it is certain that this is its end

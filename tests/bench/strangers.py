@@ -16,7 +16,7 @@ import signal
 import statistics
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -42,6 +42,7 @@ from tests.support.ros import HOST
 BATTLES = 5441
 ROBOTS = 3
 SECONDS = 60.0
+AFTER = 10.0  # s after the crowd has gone, until its memory is asked for again
 AGAIN = 0.2  # s, after a connection was ended
 BETWEEN = 0.5  # s, in which one of an audience does nothing
 PING, LOOK = 0.1, 0.25  # s between two probes
@@ -260,7 +261,8 @@ class Others(InLoop):
 
 
 @contextlib.contextmanager
-def front(loaded: Loaded, web_port: int) -> Iterator[int]:
+def front(loaded: Loaded, web_port: int) -> Iterator[tuple[int, int]]:
+    """Its port and process."""
     port = free_port()
     settings = {
         "LASERBOT_BIND": HOST,
@@ -271,7 +273,7 @@ def front(loaded: Loaded, web_port: int) -> Iterator[int]:
     program = Program.python("server.front", env={**os.environ, **settings})
     try:
         program.wait_for("the game is at", 30)
-        yield port
+        yield port, program.process.pid
     finally:
         program.stop()
 
@@ -293,11 +295,17 @@ def open_vote(web: str) -> int:
     return found
 
 
-def feel(crowd: Crowd, seconds: float) -> tuple[Felt, dict[str, tuple[float, float]]]:
-    """And what each of the master's processes cost: cores and MiB."""
+class Costs(NamedTuple):
+    """Of one process of the master."""
+
+    cpu: float  # cores, with the crowd there
+    memory: tuple[float, float, float]  # MiB before the crowd, with it, and `AFTER` it
+
+
+def feel(crowd: Crowd, seconds: float) -> tuple[Felt, dict[str, Costs]]:
     with loaded_master(ROBOTS, 0, fill) as loaded, contextlib.ExitStack() as stack:
         web_port = int(loaded.master.web.rpartition(":")[2])
-        front_port = stack.enter_context(front(loaded, web_port))
+        front_port, front_pid = stack.enter_context(front(loaded, web_port))
         if crowd.by_front:
             strangers = Remote(Strangers, front_port, front_port, "/rosbridge")
         else:
@@ -306,30 +314,40 @@ def feel(crowd: Crowd, seconds: float) -> tuple[Felt, dict[str, tuple[float, flo
         others = Remote(Others, web_port, front_port if crowd.by_front else web_port)
         stack.callback(others.close)
         (child,) = psutil.Process(loaded.master.pids["server.main"]).children()
-        more = {"pages": child.pid, "crowd": strangers.pid}
+        pids = {**loaded.master.pids, "pages": child.pid, "front": front_pid}
+        before = sizes(pids)
         if crowd.is_audience:
             strangers.call("watch", crowd.addresses, open_vote(loaded.master.web))
         else:
             strangers.call("come", crowd.addresses, crowd.connections)
         time.sleep(SETTLE)
         others.call("took")
-        before, began = {name: cpu_seconds(pid) for name, pid in more.items()}, time.monotonic()
+        used, began = {name: cpu_seconds(pid) for name, pid in pids.items()}, time.monotonic()
         row = measure(loaded, ROBOTS, seconds)
         passed = time.monotonic() - began
-        costs = {
-            name: ((cpu_seconds(pid) - before[name]) / passed, psutil.Process(pid).memory_info().rss / 2**20)
-            for name, pid in more.items()
-        }
-        costs |= {name: (each.cpu, each.memory / 2**20) for name, each in row.costs.items()}
-        took = others.call("took")
-        state = loaded.pages.call("state")
-        seats = len(json.loads(state["users"]))
-        return Felt(took["pings"], took["pages"], row, strangers.call("answers"), seats), costs
+        cores = {name: (cpu_seconds(pid) - used[name]) / passed for name, pid in pids.items()}
+        meanwhile = sizes(pids)
+        took, answers = others.call("took"), strangers.call("answers")
+        seats = len(json.loads(loaded.pages.call("state")["users"]))
+        strangers.close()
+        time.sleep(AFTER)
+        after = sizes(pids)
+        costs = {name: Costs(cores[name], (before[name], meanwhile[name], after[name])) for name in pids}
+        return Felt(took["pings"], took["pages"], row, answers, seats), costs
+
+
+def sizes(pids: Mapping[str, int]) -> dict[str, float]:
+    """MiB of memory."""
+    return {name: psutil.Process(pid).memory_info().rss / 2**20 for name, pid in pids.items()}
 
 
 def percentiles(times: list[float]) -> str:
     p50, p99 = statistics.median(times), statistics.quantiles(times, n=100)[98]
     return f"{p50 * 1e3:8.1f}{p99 * 1e3:8.1f}{max(times) * 1e3:8.0f}"
+
+
+def told(memory: tuple[float, ...]) -> str:
+    return ", ".join(f"{size:.0f}" for size in memory)
 
 
 def main() -> None:
@@ -340,6 +358,7 @@ def main() -> None:
     signal.signal(signal.SIGINT, signal.default_int_handler)
     allow_files(FILES)
     print(f"{BATTLES} battles, {ROBOTS} robots and drivers, {arguments.seconds:g} s each; p50, p99, worst in ms")
+    print("MiB of each program: before the crowd, with it, and after it")
     print(f"{'crowd':18}{'pings':>24}{'commands':>24}{'pages':>24}{'players':>9}", flush=True)
     for number in arguments.crowds:
         felt, costs = feel(CROWDS[number], arguments.seconds)
@@ -349,7 +368,7 @@ def main() -> None:
         )
         print(
             "    "
-            + ", ".join(f"{name} {cpu:.2f} cores {size:.0f} MiB" for name, (cpu, size) in costs.items())
+            + ", ".join(f"{name} {each.cpu:.2f} cores {told(each.memory)} MiB" for name, each in costs.items())
             + f"; lost {felt.row.figures.lost} of {felt.row.figures.sent}; "
             + ", ".join(f"{count} x {status}" for status, count in felt.answers.most_common()),
             flush=True,

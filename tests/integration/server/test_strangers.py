@@ -21,6 +21,7 @@ from tests.integration.server.conftest import GameServer
 from tests.support.polling import LATEST, until
 
 LIMIT = 500  # connections at once
+MORE_MEMORY = 100.0  # MiB of each program, with a crowd and after it
 
 
 @pytest.fixture
@@ -315,10 +316,14 @@ def test_a_request_that_is_not_complete_within_10_seconds_is_not_waited_for(serv
 
 
 @pytest.mark.slow
-def test_a_greedy_crowd_ends_no_battle() -> None:
+@pytest.mark.parametrize("crowd", [Crowd(1, 1000), Crowd(8, 100, by_front=True)], ids=str)
+def test_a_greedy_crowd_ends_no_battle(crowd: Crowd) -> None:
     """How little it is felt is for tests/bench to say."""
-    felt, _ = feel(Crowd(8, 100), 10)
+    felt, costs = feel(crowd, 10)
     assert felt.seats == ROBOTS
     assert felt.row.figures.lost == 0
     assert max(felt.pings) < Rules().robot_timeout
     assert max(felt.pages) < ANSWER_WITHIN
+    for name, each in costs.items():
+        before, meanwhile, after = each.memory
+        assert max(meanwhile, after) < before + MORE_MEMORY, name
