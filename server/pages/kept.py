@@ -18,6 +18,7 @@ from server.web.words import LANGUAGE_COOKIE, THEME_COOKIE
 MAX_SIZE = 16 << 20  # bytes, of all that is kept
 LATEST = 10.0  # s; a page may tell the day, or this machine's addresses
 UNMARKED = 1.0  # s, where nobody knows whether anything has changed
+REST = 4  # times as long as it took to make, an answer is shown whatever changes: a battle changes it all the time
 _OVERHEAD = 2048  # bytes of an answer besides its body
 
 
@@ -26,7 +27,8 @@ class _Kept(NamedTuple):
     headers: list[tuple[str, str]]
     body: bytes
     mark: object
-    made_at: float
+    began_at: float  # when it was made, s
+    took: float  # s
 
     @property
     def size(self) -> int:
@@ -65,9 +67,12 @@ class KeptAnswers:
         mark = self._mark()
         with self._lock:
             kept = self._kept.get(question)
-            if kept is None or kept.mark != mark:
+            if kept is None:
                 return None
-            if self._clock() - kept.made_at > (UNMARKED if mark is None else LATEST):
+            age = self._clock() - kept.began_at
+            if age > (UNMARKED if mark is None else LATEST):
+                return None
+            if kept.mark != mark and age >= (1 + REST) * kept.took:
                 return None
             self._kept.move_to_end(question)
             return kept
@@ -75,7 +80,7 @@ class KeptAnswers:
     def _make(self, question: Hashable, request: Request) -> _Kept:
         mark, now = self._mark(), self._clock()
         made = Response.from_app(self._application, {**request.environ, "REQUEST_METHOD": "GET"}, buffered=True)
-        kept = _Kept(made.status_code, list(made.headers), made.data, mark, now)
+        kept = _Kept(made.status_code, list(made.headers), made.data, mark, now, self._clock() - now)
         if kept.status == 200:
             with self._lock:
                 former = self._kept.pop(question, None)

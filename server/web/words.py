@@ -8,7 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from flask import Flask, request
+from flask import Flask, g, request
 from markupsafe import Markup
 
 LANGUAGES = {"en": "English", "it": "Italiano", "de": "Deutsch"}  # the first is for everybody else
@@ -26,7 +26,13 @@ def words(language: str) -> dict[str, Any]:
 
 
 def language() -> str:
-    """The language of this request's visitor."""
+    """The language of this request's visitor, found once: a page of results asks for it thousands of times."""
+    if "language" not in g:
+        g.language = _language()
+    return str(g.language)
+
+
+def _language() -> str:
     chosen = request.cookies.get(LANGUAGE_COOKIE, "")
     if chosen in LANGUAGES:
         return chosen

@@ -11,7 +11,7 @@ from werkzeug.test import Client
 from werkzeug.wrappers import Request, Response
 
 from server.pages import kept
-from server.pages.kept import LATEST, UNMARKED, KeptAnswers
+from server.pages.kept import LATEST, REST, UNMARKED, KeptAnswers
 
 
 class Site:
@@ -21,6 +21,7 @@ class Site:
         self.asked: list[str] = []
         self.mark: object = 1
         self.now = 100.0
+        self.takes = 0.0  # s
         self.status = 200
         self.cache_control = "no-cache"
         self.browser = Client(KeptAnswers(self._answer, lambda: self.mark, lambda: self.now), use_cookies=False)
@@ -32,6 +33,7 @@ class Site:
     def _answer(self, environ: WSGIEnvironment, start_response: StartResponse) -> Iterable[bytes]:
         request = Request(environ)
         self.asked.append(request.full_path)
+        self.now += self.takes
         text = f"answer {len(self.asked)} {request.headers.get('Accept-Language', '')}"
         response = Response(text, self.status, {"Cache-Control": self.cache_control})
         return response(environ, start_response)
@@ -51,6 +53,16 @@ def test_what_was_asked_before_is_not_made_again(site):
 def test_a_change_is_seen_at_once(site):
     site.get()
     site.mark = 2
+    assert site.get().text == "answer 2 "
+
+
+def test_what_takes_long_is_not_made_anew_all_the_time_while_a_battle_changes_it(site):
+    site.takes = 0.5
+    site.get()
+    site.mark = 2
+    site.now += 0.5 * REST - 0.1
+    assert site.get().text == "answer 1 "
+    site.now += 0.2
     assert site.get().text == "answer 2 "
 
 
