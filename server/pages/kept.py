@@ -18,7 +18,9 @@ from server.web.words import LANGUAGE_COOKIE, THEME_COOKIE
 MAX_SIZE = 16 << 20  # bytes, of all that is kept
 LATEST = 10.0  # s; a page may tell the day, or this machine's addresses
 UNMARKED = 1.0  # s, where nobody knows whether anything has changed
-REST = 4  # times as long as it took to make, an answer is shown whatever changes: a battle changes it all the time
+# A battle changes the database several times a second. An answer is kept for this many times as long as it took to
+# make, whatever changes meanwhile.
+REST = 4
 _OVERHEAD = 2048  # bytes of an answer besides its body
 
 
@@ -63,7 +65,7 @@ class KeptAnswers:
         return response(environ, start_response)
 
     def _find(self, question: Hashable) -> _Kept | None:
-        """What is known and still true."""
+        """What is known and still true, or was true so recently that making it anew would not pay."""
         mark = self._mark()
         with self._lock:
             kept = self._kept.get(question)

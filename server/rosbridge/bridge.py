@@ -45,7 +45,6 @@ from server.rosbridge.effects import (
 from server.rosbridge.gate import STATUS_TYPE, Gate
 from server.rosbridge.graph import Graph
 from server.rosbridge.large_requests import read, unpacked
-from server.rosbridge.line import Line
 from server.rosbridge.metrics import Delays, metrics, missing
 from server.rosbridge.offered_services import OfferedServices
 from server.rosbridge.outgoing import asked_frames, replied, replied_frames, takes_long
@@ -53,6 +52,7 @@ from server.rosbridge.protocol import Client
 from server.rosbridge.ros import Ros
 from server.rosbridge.shots import SHOT_TYPE
 from server.rosbridge.subscription import Subscription
+from server.rosbridge.topic_queue import TopicQueue
 from server.websocket.connection import Connection
 from server.websocket.frames import Framed
 from server.websocket.limits import SocketOwner, owner_of
@@ -87,7 +87,7 @@ class Bridge:
         self._offered = OfferedServices(self._perform)
         self.outside = Outside()
         # messages, each for some subscriptions, of topics of which a large one is being encoded
-        self._lines: dict[str, Line] = {}
+        self._queues: dict[str, TopicQueue] = {}
         self._latest: Delivery | None = None  # large one: who comes soon after it gets what has been encoded
         self._ros = ros = Ros(node, types, clock, self.outside, deliver=self._deliver, troubled=self._troubled)
         self._performers: dict[type, Callable[[Client | None, Any], object]] = {
@@ -361,19 +361,19 @@ class Bridge:
 
     def _pass(self, subscriptions: list[Subscription], topic: str, message: Delivery) -> None:
         """Send it, after those of the topic that wait, and at once only if it is not large."""
-        line = self._lines.get(topic)
-        if line is None:
+        queue = self._queues.get(topic)
+        if queue is None:
             if not any(message.takes_long(each.form) for each in subscriptions):
                 self._send_to(subscriptions, topic, message)
                 return
-            line = self._lines[topic] = Line()
-            self._start(self._encode(topic, line))
-        line.put(message, subscriptions)
+            queue = self._queues[topic] = TopicQueue()
+            self._start(self._encode(topic, queue))
+        queue.put(message, subscriptions)
 
-    async def _encode(self, topic: str, line: Line) -> None:
+    async def _encode(self, topic: str, queue: TopicQueue) -> None:
         """Send what waits, in its order."""
-        while line:
-            message, subscriptions = line.next()
+        while queue:
+            message, subscriptions = queue.next()
             try:
                 while long := {each.form for each in subscriptions if message.takes_long(each.form)}:
                     for form in long:
@@ -383,7 +383,7 @@ class Bridge:
                 _log.warning("a message of %s cannot be sent: %s", topic, error)
             else:
                 self._send_to([each for each in subscriptions if not each.has_ended], topic, message)
-        del self._lines[topic]
+        del self._queues[topic]
 
     def _send_to(self, subscriptions: Iterable[Subscription], topic: str, message: Delivery) -> None:
         for subscription in subscriptions:

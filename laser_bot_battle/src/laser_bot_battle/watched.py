@@ -29,8 +29,9 @@ Address = tuple[str, int]  # where the first of the programs is watched
 
 PATIENCE = 5.0  # s, with a visitor, and with the owner of the figures
 TEXT = "text/plain; charset=utf-8"
-# visitors at once, each of whom has a thread of the program's: in all, of another machine, and for how long
-VISITORS, OF_ONE_MACHINE, VISIT = 40, 10, 30.0  # s
+# each visitor has a thread of the program's own
+VISITORS, OF_ONE_MACHINE = 40, 10  # at once: in all, and from one other machine
+VISIT = 30.0  # s that one may stay when there are too many
 
 _log = logging.getLogger(__name__)
 

@@ -316,7 +316,7 @@ def test_a_request_that_is_not_complete_within_10_seconds_is_not_waited_for(serv
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("crowd", [Crowd(1, 1000), Crowd(8, 100, by_front=True)], ids=str)
+@pytest.mark.parametrize("crowd", [Crowd(1, 1000), Crowd(8, 100), Crowd(8, 100, by_front=True)], ids=str)
 def test_a_greedy_crowd_ends_no_battle(crowd: Crowd) -> None:
     """How little it is felt is for tests/bench to say."""
     felt, costs = feel(crowd, 10)

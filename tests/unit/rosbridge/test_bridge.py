@@ -98,7 +98,7 @@ def test_who_unsubscribes_while_a_large_message_is_encoded_does_not_get_it(monke
             subscriber.received(large_map(), {})
             bridge.received(client, '{"op":"unsubscribe","topic":"/map"}')
             encoded.set()
-            while bridge._lines:
+            while bridge._queues:
                 await asyncio.sleep(0.01)
         return heard
 

@@ -1,4 +1,4 @@
-"""What waits of a topic while a large message before it is encoded."""
+"""The messages of a topic that wait while a large one before them is encoded."""
 
 from collections import deque
 
@@ -8,8 +8,8 @@ from server.rosbridge.subscription import Subscription
 MAX_WAITING = 64 * 2**20  # bytes
 
 
-class Line:
-    """Messages in their order, each for its subscriptions. The oldest give way when there are too many."""
+class TopicQueue:
+    """Messages in their order, each for its subscriptions. The oldest give way when they are too long together."""
 
     def __init__(self) -> None:
         self._waiting: deque[tuple[Delivery, list[Subscription]]] = deque()
