@@ -11,6 +11,7 @@ import subprocess
 import sys
 import urllib.request
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from http.client import HTTPException
 from pathlib import Path
@@ -18,10 +19,10 @@ from typing import Any
 
 from cards.archive import LONGEST, MANIFEST, Manifest, check_descriptions, copy, parse
 from cards.containers import containers
-from cards.engine import Engine, Socket
+from cards.engine import Engine, EngineError, Socket
 from cards.files import MASTER_HOST
 from cards.laserbot_txt import Card
-from cards.run import ENGINE, HERE, STATE, is_deployed_to
+from cards.run import ENGINE, HERE, STATE, UNIT, is_deployed_to, load
 from cards.start import read
 from cards.store import Store
 from cards.versions import Step, next_step, tried
@@ -36,7 +37,7 @@ def main() -> int:
     card, _ = read(Path("/boot/firmware"), "robot")
 
     def restart() -> None:
-        subprocess.run(["systemctl", "restart", "--no-block", "laserbot-containers.service"], check=True)
+        subprocess.run(["systemctl", "restart", "--no-block", UNIT], check=True)
 
     follow(
         Store(STATE, HERE),
@@ -74,6 +75,11 @@ def follow(
         except (OSError, HTTPException, ValueError) as error:
             print(f"version {served.version}: {error}", file=sys.stderr)
             return
+    if _is_battle(game_at):  # which the work could disturb
+        return
+    # while the robot is of use yet; what comes of a version that cannot be loaded is for the restart to say
+    with suppress(EngineError, ValueError):
+        load(engine, store, served.version, {one["Image"] for one in store.described(served.version).values()})
     # asked in its own name at last: then no countdown begins before it has restarted
     if _is_battle(game_at) or _is_battle(game_at, host):
         return

@@ -19,6 +19,7 @@ from laser_bot_battle.settings import shown, trimmed
 FILE = "laserbot.txt"
 LONGEST = 65_536  # bytes; what comes later is not read
 _QUOTES = ('""', "''", "“”", "„“", "‘’", "«»")  # pairs
+_SECRETS = ("wifi", "wifi_password", "operator_token")  # that can be moved off the partition
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ class Card:
     operator_token: str | None = None  # at least variables.SHORTEST_TOKEN characters
     camera: str | None = None  # as LASERBOT_CAMERA
     version: str | None = None  # of the game, one of values.VERSIONS
+    secrets: str | None = None  # one of values.SECRETS: where they are after the first start
 
 
 class Mistake(NamedTuple):
@@ -53,7 +55,7 @@ class _Field(NamedTuple):
     parse: Callable[[str], str]  # ValueError says what is allowed ("must be ...")
     example: str
     text: str  # for the file's own comments
-    is_secret: bool = False
+    is_secret: bool = False  # never told
     written: str = ""  # in the file, if not as in Card
     is_list: bool = False  # each line is one more
     only: str = ""  # for cards with this role
@@ -71,6 +73,7 @@ def parse(content: bytes, zones: Collection[str], role: str) -> tuple[Card, list
     fields = {_letters(field.key): field for field in _fields(zones, role)}
     found: dict[str, Any] = {"role": role}
     lines: dict[str, int] = {}  # where each setting was found
+    refused: dict[str, int] = {}
     text, mistakes = _decode(content)
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
         stripped = trimmed(line)
@@ -92,6 +95,7 @@ def parse(content: bytes, zones: Collection[str], role: str) -> tuple[Card, list
         except ValueError as error:
             given = "" if field.is_secret else f" = {shown(value)}"
             mistakes.append(Mistake(number, f"{field.key}{given}: {error}"))
+            refused[field.name] = number
             continue
         if field.is_list:
             found[field.name] = (*found.get(field.name, ()), value)
@@ -102,7 +106,36 @@ def parse(content: bytes, zones: Collection[str], role: str) -> tuple[Card, list
                 )
             found[field.name] = value
         lines[field.name] = number
-    return Card(**found), mistakes
+    if "wifi_password" not in found:
+        if "wifi_password" in refused and found.pop("wifi", None):  # an open Wi-Fi of that name would be somebody else's
+            mistakes.append(Mistake(lines["wifi"], "wifi is not joined, since its password cannot be one"))
+    elif "wifi" not in found and found.get("secrets") != values.MOVE:  # else a cut may have left it so
+        mistakes.append(Mistake(lines["wifi_password"], "wifi_password: there is no wifi to which it could belong"))
+    return Card(**found), sorted(mistakes, key=lambda mistake: mistake.line)
+
+
+def without_secrets(content: bytes, zones: Collection[str], role: str) -> list[bytes]:
+    """A file without mistakes, with a comment in place of each line that the card alone has to know: of the same
+    length, so that it can be written over the old one, and whatever a cut leaves of either is a file.
+
+    In steps, to be written one after the other: a Wi-Fi without its password would be an open one.
+    """
+    return [_covered(content, _fields(zones, role), names) for names in (("wifi",), _SECRETS)]
+
+
+def _covered(content: bytes, fields: Collection[_Field], names: Collection[str]) -> bytes:
+    by_letters = {_letters(field.key): field for field in fields}
+    encoding = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2], "utf-8")
+
+    def cover(match: re.Match[str]) -> str:
+        line = trimmed(match[0])
+        field, value = _assignment(line, by_letters) if line and not line.startswith("#") else (None, "")
+        if not (field and field.name in names and value):
+            return match[0]
+        length = len(match[0].encode(encoding)) // len("#".encode(encoding))
+        return f"# {field.key}: moved"[:length].ljust(length)
+
+    return re.sub(r"[^\r\n]+", cover, content.decode(encoding)).encode(encoding)
 
 
 def render(role: str) -> str:
@@ -227,6 +260,13 @@ def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
             values.PREVIOUS,
             "The version of the game: newest, or previous for the one before the last update. The robots follow.",
             only="master",
+        ),
+        _Field(
+            "secrets",
+            values.secrets,
+            values.MOVE,
+            "Where the lines of wifi, wifi_password and operator_token are after the first start with them: keep leaves\n"
+            "them here, move takes them to the card's own partition, which Windows and macOS do not show.",
         ),
     )
 

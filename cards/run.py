@@ -10,6 +10,7 @@ run instead.
 
 import argparse
 import socket
+import subprocess
 import sys
 from collections.abc import Callable, Collection, Mapping
 from contextlib import suppress
@@ -31,6 +32,8 @@ from cards.versions import candidates, failed, kept, proven
 HERE = Path(__file__).resolve().parents[1]
 STATE = Path("/var/lib/laserbot-card")
 ENGINE = "/run/docker.sock"
+UNIT = "laserbot-containers.service"
+TRIES = 12  # of this program in a row, 10 s apart, before the engine is given up
 
 Steady = Callable[[Engine, Collection[str], Collection[str]], set[str]]  # as trial.steady
 
@@ -40,7 +43,8 @@ def main() -> int:
     parser.add_argument("--boot", type=Path, default=Path("/boot/firmware"), help="the card's first partition")
     arguments = parser.parse_args()
     card, _ = read(arguments.boot, own_role())
-    return run(Socket(ENGINE), Store(STATE, HERE), card, socket.gethostname(), tell=partial(tell, arguments.boot))
+    telling = partial(tell, arguments.boot)
+    return run(Socket(ENGINE), Store(STATE, HERE), card, socket.gethostname(), tell=telling, tries=_tries(), restart=_restart)
 
 
 def run(
@@ -50,17 +54,43 @@ def run(
     host: str,
     *,
     tell: Callable[[str, str], None],
+    tries: int,
+    restart: Callable[[], None],
     steady: Steady = trial.steady,
 ) -> int:
-    """The program's exit code: 1 if it has to be tried again. `tell` is told each topic and its problem, or that there
-    is none any more."""
+    """The program's exit code: 1 if it has to be tried again; `tries` have failed since the host was started. `tell` is
+    told each topic and its problem, or that there is none any more. `restart` is for the host."""
     topic, problem = "the game cannot be started", ""
     try:
         settle(engine, store, card, host, tell=tell, steady=steady)
-    except (EngineError, OSError, ValueError) as error:
+        store.engine_is_well()
+    except ValueError as error:
         problem = str(error)
+    except (EngineError, OSError) as error:
+        problem = str(error)
+        # what a cut has left of the engine's files may be of no use, while the file system is as it should be
+        if tries >= TRIES and not _plays(engine) and store.give_up_the_engine():
+            restart()
     tell(topic, problem)
     return 1 if problem else 0
+
+
+def _plays(engine: Engine) -> bool:
+    """Whether any of the card's containers runs."""
+    try:
+        there = do(engine, "GET", "/containers/json")
+    except (EngineError, OSError):
+        return False
+    return any(LABEL in (one["Labels"] or {}) for one in there)
+
+
+def _tries() -> int:
+    command = ["systemctl", "show", "--property", "NRestarts", "--value", UNIT]
+    return int(subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout)
+
+
+def _restart() -> None:
+    subprocess.run(["systemctl", "reboot"], check=True)
 
 
 def settle(
@@ -83,7 +113,7 @@ def settle(
         try:
             wanted = containers(card, host, store.described(version))
             stopped = trial.stopped(engine, wanted)
-            arrange(engine, wanted, store.image(version))
+            arrange(engine, wanted, store, version)
             failing = set()
             if version == state.trial:
                 failing = _failing(engine, store, card, wanted, stopped=stopped, steady=steady)
@@ -124,15 +154,15 @@ def _failing(
     return judged - steady(engine, judged, judged & store.healthy() or judged)
 
 
-def arrange(engine: Engine, wanted: Mapping[str, Container], image: Path) -> None:
-    """Give the engine the containers it lacks, and take from it the card's others; `image` is the archive of the image
-    that they run.
+def arrange(engine: Engine, wanted: Mapping[str, Container], store: Store, version: str) -> None:
+    """Give the engine the containers it lacks, and take from it the card's others; they are those of that version.
 
     One that Ansible has deployed stays, and so does one that is as wanted, even if a person has stopped it.
     """
     there = do(engine, "GET", "/containers/json?all=1")
     own = {one["Names"][0].removeprefix("/") for one in there if LABEL in (one["Labels"] or {})}
-    for name in sorted({*wanted, *own}):
+    old, new = set(), set()
+    for name in {*wanted, *own}:
         found = inspect(engine, name)
         if found:
             label = _label(found)
@@ -141,9 +171,33 @@ def arrange(engine: Engine, wanted: Mapping[str, Container], image: Path) -> Non
             # one that was made and never started was cut off
             if name in wanted and label == wanted[name]["Labels"][LABEL] and found["State"]["Status"] != "created":
                 continue
-            do(engine, "DELETE", f"/containers/{name}?force=1")
+            old.add(name)
         if name in wanted:
-            _start(engine, name, wanted[name], image)
+            new.add(name)
+    load(engine, store, version, {wanted[name]["Image"] for name in new})  # takes long: the old ones run meanwhile
+    for name in sorted(old | new):
+        if name in old:
+            do(engine, "DELETE", f"/containers/{name}?force=1")
+        if name in new:
+            do(engine, "POST", f"/containers/create?name={name}", wanted[name])
+            do(engine, "POST", f"/containers/{name}/start")
+            print(f"started {name}", file=sys.stderr)
+
+
+def load(engine: Engine, store: Store, version: str, images: Collection[str]) -> None:
+    """Give the engine what it lacks of these images of that version."""
+    if all(engine.ask("GET", f"/images/{image}/json")[0] == 200 for image in images):
+        return
+    print("loading the image", file=sys.stderr)
+    archive = store.image(version)
+    try:
+        opened = archive.open("rb")
+    except OSError as error:
+        raise ValueError(f"{archive.name} cannot be read: {error.strerror}") from None
+    with opened, store.loading():
+        answer = str(do(engine, "POST", "/images/load?quiet=1", opened))
+    if "errorDetail" in answer:  # found after the engine has begun to answer
+        raise EngineError(f"the engine cannot load {archive.name}: {answer.strip()}")
 
 
 def is_deployed_to(engine: Engine, names: Collection[str]) -> bool:
@@ -155,20 +209,6 @@ def _label(found: Any) -> str | None:
     """Of a container that the engine has told of: what it was made from."""
     label: str | None = (found["Config"]["Labels"] or {}).get(LABEL)
     return label
-
-
-def _start(engine: Engine, name: str, container: Container, image: Path) -> None:
-    if engine.ask("GET", f"/images/{container['Image']}/json")[0] != 200:
-        print("loading the image", file=sys.stderr)
-        try:
-            archive = image.open("rb")
-        except OSError as error:
-            raise ValueError(f"{image.name} cannot be read: {error.strerror}") from None
-        with archive:
-            do(engine, "POST", "/images/load?quiet=1", archive)
-    do(engine, "POST", f"/containers/create?name={name}", container)
-    do(engine, "POST", f"/containers/{name}/start")
-    print(f"started {name}", file=sys.stderr)
 
 
 def _tidy_images(engine: Engine, store: Store, versions: Collection[str]) -> None:

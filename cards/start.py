@@ -15,7 +15,8 @@ import zoneinfo
 from pathlib import Path
 
 from cards.files import HOST_NAME, File, files, own_name
-from cards.laserbot_txt import FILE, LONGEST, Card, Mistake, parse
+from cards.laserbot_txt import FILE, LONGEST, Card, Mistake, parse, without_secrets
+from cards.values import MOVE
 
 ERRORS = "laserbot-errors.txt"
 
@@ -41,7 +42,25 @@ def start(boot: Path, root: Path, role: str) -> None:
         decided.setdefault(HOST_NAME, File(f"{own_name(_serial(root))}\n"))
     for path, file in decided.items():
         put(root / path[1:], file)
+    if card.secrets == MOVE and not mistakes:
+        _move_secrets(boot / FILE, role)
     _tell(boot / ERRORS, mistakes)
+
+
+def _move_secrets(path: Path, role: str) -> None:
+    """Off the partition that every computer shows, once what they have become is on the other."""
+    os.sync()
+    try:
+        with path.open("r+b") as file:
+            content = file.read()
+            for step in without_secrets(content, zoneinfo.available_timezones(), role):
+                if step != content:
+                    file.seek(0)  # over the old ones: another file would leave them on the card
+                    file.write(step)
+                    file.flush()
+                    os.fsync(file.fileno())
+    except OSError as error:
+        print(f"{path}: the secrets stay there: {error.strerror}", file=sys.stderr)
 
 
 def read(boot: Path, role: str) -> tuple[Card, list[Mistake]]:

@@ -2,6 +2,8 @@
 
     state.json             what the card remembers of them (cards/versions.py)
     versions/VERSION/      one that is there whole: manifest.json, ROLE/image.tar, ROLE/containers/NAME.json
+    engine-unsound         the engine's images and containers are to be made anew at the next start (cards/boot/init)
+    engine-made-anew       that was tried, and has not helped yet
     served/                on a master, what the robots may read: manifest.json, and robot/ of the version that it runs
 
 The card's own version is where the card was made, in its system, which nothing writes. The power may go at any moment.
@@ -10,7 +12,8 @@ The card's own version is where the card was made, in its system, which nothing 
 import json
 import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -22,6 +25,7 @@ from cards.versions import State, kept
 
 ROOM = 5  # times its size is what a version takes, with its images in the engine
 _HEALTHY = "healthy.json"
+_UNSOUND, _ANEW = "engine-unsound", "engine-made-anew"
 # in versions/, where no version begins with a dot
 _NEW, _OLD = ".new", ".old"
 
@@ -61,6 +65,33 @@ class Store:
     def remember_healthy(self, names: set[str]) -> None:
         """It outlasts the power."""
         put(self._folder / _HEALTHY, File(json.dumps(sorted(names)) + "\n"))
+        _sync(self._folder)
+
+    @contextmanager
+    def loading(self) -> Iterator[None]:
+        """While the engine loads an image: it says that it has before all of it is on the card (moby#49784), and never
+        looks again. If the power goes meanwhile, the next start knows."""
+        self._mark(_UNSOUND)
+        try:
+            yield
+        finally:
+            os.sync()
+            (self._folder / _UNSOUND).unlink()
+
+    def give_up_the_engine(self) -> bool:
+        """Have its images and containers made anew at the next start; False if that has not helped the last time."""
+        if (self._folder / _ANEW).exists():
+            return False
+        self._mark(_ANEW)
+        self._mark(_UNSOUND)
+        return True
+
+    def engine_is_well(self) -> None:
+        (self._folder / _ANEW).unlink(missing_ok=True)
+
+    def _mark(self, name: str) -> None:
+        """It outlasts the power."""
+        put(self._folder / name, File(""))
         _sync(self._folder)
 
     def stored(self) -> set[str]:

@@ -10,6 +10,8 @@ from collections.abc import Collection
 ROLES = ("robot", "master")
 PREVIOUS = "previous"
 VERSIONS = ("newest", PREVIOUS)
+MOVE = "move"
+SECRETS = ("keep", MOVE)
 
 
 def role(text: str, own: str) -> str:
@@ -85,4 +87,10 @@ def camera(text: str) -> str:
 def version(text: str) -> str:
     if text.lower() not in VERSIONS:
         raise ValueError(f"must be {' or '.join(VERSIONS)}")
+    return text.lower()
+
+
+def secrets(text: str) -> str:
+    if text.lower() not in SECRETS:
+        raise ValueError(f"must be {' or '.join(SECRETS)}")
     return text.lower()

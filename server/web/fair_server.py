@@ -15,6 +15,7 @@ from waitress.adjustments import Adjustments
 from waitress.channel import HTTPChannel
 from waitress.parser import HTTPRequestParser, ParsingError
 from waitress.server import TcpWSGIServer
+from waitress.task import ErrorTask, WSGITask
 
 from laser_bot_battle.listening import Listener
 from laser_bot_battle.open_files import allow_files
@@ -48,10 +49,28 @@ class _Parser(HTTPRequestParser):  # type: ignore[misc]
         return consumed
 
 
+class _Told:
+    """A waitress task that tells its server if it has refused what it was asked."""
+
+    def finish(self) -> None:
+        super().finish()  # type: ignore[misc]
+        if self.status.startswith("4"):  # type: ignore[attr-defined]
+            self.channel.server.refused(self.channel)  # type: ignore[attr-defined]
+
+
+class _Task(_Told, WSGITask):  # type: ignore[misc]
+    pass
+
+
+class _ErrorTask(_Told, ErrorTask):  # type: ignore[misc]
+    pass
+
+
 class _Channel(HTTPChannel):  # type: ignore[misc]
     """A connection. `waits_since`: since when the server has waited for a request; monotonic s, as all times here."""
 
     parser_class = _Parser
+    task_class, error_task_class = _Task, _ErrorTask
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         self.waits_since = time.monotonic()
@@ -156,6 +175,10 @@ class FairServer(TcpWSGIServer):  # type: ignore[misc]
         if isinstance(task, _Channel):
             task.is_asked()
         super().add_task(task)
+
+    def refused(self, channel: _Channel) -> None:
+        """What it asks for just now."""
+        self.task_dispatcher.refused(*self._place(channel))
 
     def accept(self) -> Any:
         accepted = super().accept()

@@ -1,7 +1,8 @@
 """Who is served next. What a battle lives on never waits for what people look at, nor one address for another.
 
 Each lane has threads of its own. Within a lane the addresses take turns, a request each, and none has more than RATE
-turns a second: who asks a thousand times waits for himself.
+turns a second: who asks a thousand times waits for himself. What is refused counts as REFUSED turns: who guesses waits
+longer.
 """
 
 import logging
@@ -25,6 +26,7 @@ class Lane(Enum):
 
 
 RATE, BURST = 50, 200  # requests/s of one address in a lane: a hall may share one; and at once
+REFUSED = 10  # turns
 THREADS = {Lane.ROBOTS: 2, Lane.PLAYERS: 3, Lane.LISTS: 2, Lane.PAGES: 4}
 
 
@@ -53,6 +55,11 @@ class Lanes:
     def add_task(self, task: Task) -> None:
         lane, owner = self._place(task)
         self._queues[lane].put(task, owner)
+
+    def refused(self, lane: Lane, owner: str | None) -> None:
+        """That is what became of a request of this owner. A robot does not pay for what others guess at its address."""
+        if owner is not None and lane is not Lane.ROBOTS:
+            self._queues[lane].charge(owner, REFUSED - 1)
 
     def shutdown(self, cancel_pending: bool = True, timeout: float = 5) -> bool:
         """End the threads. What waits is cancelled; whether anything did."""
@@ -97,6 +104,9 @@ class _Queue:
                     soonest = pause if soonest is None else min(pause, soonest)
                 self._changed.wait(soonest)
             return None
+
+    def charge(self, owner: str, turns: int) -> None:
+        self._turns.charge(owner, turns, time.monotonic())
 
     def close(self) -> list[Task]:
         """No more; what waits."""

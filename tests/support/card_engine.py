@@ -14,7 +14,22 @@ class CardEngine:
         self.ill: set[str] = set()  # are never healthy
         self.restless: set[str] = set()  # end and start again all the time
         self.unreadable: set[str] = set()  # images whose archives the engine refuses
+        self.torn: set[str] = set()  # images that it finds to be broken when it has begun to answer
+        self.unsynced: set[str] = set()  # images that are not yet on the disk
+        self.hollow: set[str] = set()  # images that a cut has left without their files
         self._starts = 0
+
+    def sync(self) -> None:
+        """What the disk lacks is on it."""
+        self.unsynced.clear()
+
+    def lose_power(self) -> None:
+        self.hollow |= self.unsynced
+
+    def lose_files(self) -> None:
+        """Its folders are emptied."""
+        for kept in (self.images, self.containers, self.unsynced, self.hollow):
+            kept.clear()
 
     def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
         if method != "GET":
@@ -36,7 +51,10 @@ class CardEngine:
                 names = set(body.read().decode().split())
                 if names & self.unreadable:
                     return 500, {"message": "invalid tar header"}
+                if names & self.torn:
+                    return 200, {"errorDetail": {"message": "unexpected EOF"}}
                 self.images |= names
+                self.unsynced |= names
             case "DELETE", [image]:
                 if any(one["Config"].get("Image") == image for one in self.containers.values()):
                     return 409, {"message": "conflict"}
@@ -57,6 +75,8 @@ class CardEngine:
                     return 404, {"message": "no such image"}
                 self.containers[new] = {"Config": body, "State": {"Status": "created"}}
             case "POST", [name, "start"]:
+                if self.containers[name]["Config"]["Image"] in self.hollow:
+                    return 400, {"message": "exec: python3: no such file"}
                 self._starts += 1
                 self.containers[name]["State"] = {"Status": "running", "StartedAt": self._starts}
             case "DELETE", [name]:

@@ -67,6 +67,7 @@ class CardHost:
         self._folder = folder
         self.role = role
         self.engine = CardEngine()
+        self.restarts = 0  # that its own programs have asked for
         self.store = Store(folder / "state", folder / "card")
 
     def copy(self, folder: Path) -> "CardHost":
@@ -78,13 +79,22 @@ class CardHost:
     def start(self, **settings: Any) -> None:
         """It is switched on; `settings` are those of its laserbot.txt."""
         card = Card(role=self.role, **settings)
+        unsound = self._folder / "state/engine-unsound"
+        if unsound.exists():  # as cards/boot/init does
+            self.engine.lose_files()
+            unsound.unlink()
         update(self.boot, self.store, card, self.engine)
         self.settle(card)
 
-    def settle(self, card: Card) -> None:
+    def settle(self, card: Card, tries: int = 0) -> None:
+        """`tries` have failed since it was switched on."""
         clock = FakeClock()
         steady = partial(trial.steady, clock=lambda: clock.now, rest=clock.rest)
-        run(self.engine, self.store, card, "host", tell=partial(tell, self.boot), steady=steady)
+        telling = partial(tell, self.boot)
+        run(self.engine, self.store, card, "host", tell=telling, tries=tries, restart=self._restart, steady=steady)
+
+    def _restart(self) -> None:
+        self.restarts += 1
 
     @property
     def told(self) -> list[str]:
@@ -112,6 +122,7 @@ class Cut(BaseException):
 def power(steps: int, engine: CardEngine, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     """For so many changes of the file systems and the engine; then `Cut`."""
     done = 0
+    engine.sync()  # what is old is on the disk
 
     def counted(function: Any) -> Any:
         def run(*arguments: Any, **options: Any) -> Any:
@@ -128,5 +139,10 @@ def power(steps: int, engine: CardEngine, monkeypatch: pytest.MonkeyPatch) -> It
     with monkeypatch.context() as patch:
         for name in STEPS:
             patch.setattr(os, name, counted(getattr(os, name)))
+        patch.setattr(os, "sync", counted(engine.sync))
         patch.setattr(engine, "ask", counted(engine.ask))
-        yield
+        try:
+            yield
+        except Cut:
+            engine.lose_power()
+            raise

@@ -30,3 +30,8 @@ class TokenBuckets:
             if len(self._full_at) > self._keys:
                 del self._full_at[next(iter(self._full_at))]
             return 0.0 if taken else wait
+
+    def charge(self, key: Hashable, tokens: int, now: float) -> None:
+        """Take tokens whether they are there or not: what is owed has to come back before the next one is given."""
+        with self._lock:
+            self._full_at[key] = max(self._full_at.pop(key, now), now) + tokens * self._period

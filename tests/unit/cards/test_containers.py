@@ -1,13 +1,15 @@
 """The containers on a card: what laserbot.txt makes of them, and which the engine is given."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
+from cards import run
 from cards.containers import Container, containers
 from cards.engine import EngineError
 from cards.laserbot_txt import Card
-from cards.run import arrange
+from cards.store import Store
 from tests.support.card_engine import CardEngine
 
 DESCRIBED: dict[str, Container] = {
@@ -27,8 +29,15 @@ OF_A_MASTER: dict[str, Container] = {
 
 @pytest.fixture
 def image(tmp_path: Path) -> Path:
-    (tmp_path / "image.tar").write_text("rosberry:1")
-    return tmp_path / "image.tar"
+    """The archive of the image of the card's own version."""
+    (tmp_path / "card").mkdir()
+    (tmp_path / "card/role").write_text("robot\n")
+    (tmp_path / "card/image.tar").write_text("rosberry:1")
+    return tmp_path / "card/image.tar"
+
+
+def arrange(engine: CardEngine, wanted: Mapping[str, Container], image: Path) -> None:
+    run.arrange(engine, wanted, Store(image.parents[1] / "state", image.parent), "1")
 
 
 ANY = Card()
@@ -130,3 +139,24 @@ def test_an_image_that_cannot_be_read_is_told(image: Path) -> None:
     image.unlink()
     with pytest.raises(ValueError, match=r"image\.tar cannot be read: No such file"):
         arrange(CardEngine(), wanted(), image)
+
+
+def test_an_image_that_the_engine_finds_to_be_broken_too_late_is_told(image: Path) -> None:
+    engine = CardEngine()
+    engine.torn.add("rosberry:1")
+    with pytest.raises(EngineError, match=r"cannot load image\.tar: .*unexpected EOF"):
+        arrange(engine, wanted(), image)
+
+
+def test_the_old_container_runs_until_the_new_image_is_there(image: Path) -> None:
+    engine = CardEngine()
+    arrange(engine, wanted(), image)
+    engine.images.clear()
+    engine.changes.clear()
+    arrange(engine, wanted(Card(arena="hall")), image)
+    assert engine.changes == [
+        "POST /images/load?quiet=1",
+        "DELETE /containers/laserbot-robot?force=1",
+        "POST /containers/create?name=laserbot-robot",
+        "POST /containers/laserbot-robot/start",
+    ]

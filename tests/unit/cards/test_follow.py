@@ -227,6 +227,7 @@ def test_a_battle_that_begins_meanwhile_is_waited_for(hall: Hall, monkeypatch: p
     monkeypatch.setattr(hall.handler, "copyfile", begin, raising=False)
     hall.minute()
     assert (hall.robot.runs, hall.robot.store.stored()) == ("1", {"2"})
+    assert image("robot", "2") not in hall.robot.engine.images
     monkeypatch.undo()
     hall.minute()
     assert hall.robot.runs == "1"
@@ -235,6 +236,14 @@ def test_a_battle_that_begins_meanwhile_is_waited_for(hall: Hall, monkeypatch: p
     hall.minute()
     assert hall.robot.runs == "2"
     assert hall.handler.asked == [f"/{MANIFEST}"], "it has been got already"
+
+
+def test_the_image_is_loaded_while_the_robot_still_plays(hall: Hall, monkeypatch: pytest.MonkeyPatch) -> None:
+    hall.serve("2")
+    monkeypatch.setattr(hall.robot, "settle", lambda card: None)
+    hall.minute()
+    assert image("robot", "2") in hall.robot.engine.images
+    assert hall.robot.runs == "1"
 
 
 @pytest.mark.parametrize("arena, version", [("hall", "2"), ("HALL", "2"), ("yard", "1"), (None, "2")])
@@ -271,7 +280,9 @@ def test_the_power_may_go_at_any_step(hall: Hall, tmp_path: Path, monkeypatch: p
         robot.start()
         hall.minute(robot=robot)
         assert (robot.runs, robot.store.state(), robot.store.stored()) == ("4", State("4", "3"), {"3", "4"})
-        assert robot.engine.images == {image("robot", "3"), image("robot", "4")}
+        # after a cut while the image was loaded, it is the only one: the other is loaded when it is needed
+        assert robot.engine.images in ({image("robot", "3"), image("robot", "4")}, {image("robot", "4")})
+        assert not robot.engine.hollow & robot.engine.images
         if not is_cut:
             break
     assert steps > 25

@@ -7,7 +7,7 @@ from dataclasses import fields
 
 import pytest
 
-from cards.laserbot_txt import LONGEST, Card, Mistake, parse, render
+from cards.laserbot_txt import LONGEST, Card, Mistake, parse, render, without_secrets
 from tests.support.programs import ROOT
 
 ZONES = ("America/New_York", "Etc/UTC", "Europe/Berlin", "Europe/London")
@@ -30,8 +30,9 @@ TOKEN = "0123456789abcdef"
         ("wifi = “Arena”", Card(wifi="Arena")),
         ('wifi = ""Arena""', Card(wifi='"Arena"')),
         ('wifi = 5" screen', Card(wifi='5" screen')),
-        ("Wi-Fi password = a=b:c #d e", Card(wifi_password="a=b:c #d e")),
-        (f"wifi_password = {'0aF1' * 16}", Card(wifi_password="0aF1" * 16)),
+        ("wifi=A\nWi-Fi password = a=b:c #d e", Card(wifi="A", wifi_password="a=b:c #d e")),
+        (f"wifi_password = {'0aF1' * 16}\nwifi=A", Card(wifi="A", wifi_password="0aF1" * 16)),
+        ("secrets = Move", Card(secrets="move")),
         ("country = de", Card(country="DE")),
         ("time zone = europe/berlin", Card(time_zone="Europe/Berlin")),
         ("TimeZone: America/New York", Card(time_zone="America/New_York")),
@@ -64,7 +65,7 @@ def test_a_line_is_understood(line: str, expected: Card) -> None:
         (
             "xyz = secret",
             "there is no such setting; there are role, arena, name, wifi, wifi_password, country, time_zone, ssh_key, "
-            "operator_token, camera, version",
+            "operator_token, camera, version, secrets",
         ),
         ("= robot", "there is no such setting; there are role, "),
         (KEY, "this is not `name = value`; a comment begins with #"),
@@ -106,6 +107,44 @@ def test_a_wrong_line_is_told_and_costs_nothing_else(line: str, told: str) -> No
     assert mistake.line == 2
     assert told in mistake.text
     assert str(mistake) == f"laserbot.txt, line 2: {mistake.text}"
+
+
+def test_a_wifi_whose_password_cannot_be_one_is_not_joined_as_an_open_one() -> None:
+    card, mistakes = parse(b"country = FR\nwifi = hall\nwifi_password = short\n", ZONES, "robot")
+    assert card == Card(country="FR")
+    assert [str(mistake).partition(" must")[0] for mistake in mistakes] == [
+        "laserbot.txt, line 2: wifi is not joined, since its password cannot be one",
+        "laserbot.txt, line 3: wifi_password:",
+    ]
+
+
+def test_a_password_without_a_wifi_is_told() -> None:
+    card, [mistake] = parse(b"wifi_password = correct horse\n", ZONES, "robot")
+    assert card == Card(wifi_password="correct horse")
+    assert str(mistake) == "laserbot.txt, line 1: wifi_password: there is no wifi to which it could belong"
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16"])
+def test_a_file_without_its_secrets_is_as_long_and_says_the_rest(encoding: str) -> None:
+    lines = ["# mine", "Wi-Fi = Café 2", "", "wifi=A", "  wifi_password: correct horse", f"operator_token = {TOKEN}"]
+    lines += ["arena = Große Halle", "secrets = move", "#wifi_password = an example"]
+    content = "\r\n".join(lines).encode(encoding)
+    first, rest = without_secrets(content, ZONES, "master")
+    assert len(first) == len(rest) == len(content)
+    # between the two, the Wi-Fi is not joined at all
+    assert parse(first, ZONES, "master")[0].wifi is None
+    assert parse(first, ZONES, "master")[0].wifi_password == "correct horse"
+    assert parse(rest, ZONES, "master") == (Card(role="master", arena="Große Halle", secrets="move"), [])
+    assert [line.rstrip() for line in rest.decode(encoding).lstrip("\ufeff").split("\r\n")] == [
+        "# mine",
+        "# wifi: moved",
+        "",
+        "# wifi",
+        "# wifi_password: moved",
+        "# operator_token: moved",
+        *lines[6:],
+    ]
+    assert without_secrets(rest, ZONES, "master") == [rest, rest]
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """What a card's settings become on its system."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -158,6 +159,58 @@ def test_a_token_that_is_too_short_is_refused_and_the_one_before_stays(boot: Pat
     assert "line 1: operator_token: the token needs at least 16 characters" in (boot / ERRORS).read_text()
     assert token.read_text() == "the one that Ansible has deployed"
     assert (root / "etc/hostname").read_text() == "laser-bot-master\n"
+
+
+def test_secrets_are_moved_if_the_file_says_so_and_stay_in_force(
+    boot: Path, root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("cards.start.shutil.chown", lambda *_: None)
+    text = "wifi = hall\nwifi_password = correct horse\noperator_token = correct horse battery\nsecrets = move\n"
+    (boot / "laserbot.txt").write_text(text)
+    for _ in range(2):
+        start(boot, root, "master")
+        left = (boot / "laserbot.txt").read_text()
+        assert "correct" not in left
+        assert [line.rstrip() for line in left.splitlines()] == [
+            "# wifi: mov",
+            "# wifi_password: moved",
+            "# operator_token: moved",
+            "secrets = move",
+        ]
+        assert 'psk="correct horse"' in (root / WIFI[1:]).read_text()
+        assert (root / "etc/laserbot/operator-token").read_text() == "correct horse battery"
+    assert not (boot / ERRORS).exists()
+
+
+@pytest.mark.parametrize("line", ["secrets = keep", "secrets = move\nrole = both"])
+def test_secrets_stay_if_the_file_says_so_or_something_in_it_is_wrong(line: str, boot: Path, root: Path) -> None:
+    text = f"wifi = hall\nwifi_password = correct horse\n{line}\n"
+    (boot / "laserbot.txt").write_text(text)
+    start(boot, root, "robot")
+    assert (boot / "laserbot.txt").read_text() == text
+
+
+def test_a_cut_while_secrets_are_moved_leaves_a_file_that_means_the_same(
+    boot: Path, root: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The sectors before and after each step, in any mixture."""
+    begin = f"name = r1\nwifi = hall\n{'#' * 700}\nwifi_password = correct horse\nsecrets = move\n".encode()
+    steps = [begin]
+    monkeypatch.setattr("cards.start.os.fsync", lambda _: steps.append((boot / "laserbot.txt").read_bytes()))
+    (boot / "laserbot.txt").write_bytes(begin)
+    start(boot, root, "robot")
+    steps = [step for step in steps if len(step) == len(begin)]
+    assert b"hall" not in steps[-1] + steps[-1]
+    assert b"correct" not in steps[-1]
+    mixtures = [one[:512] + other[512:] for a, b in pairwise(steps) for one, other in ((a, b), (b, a))]
+    assert len(mixtures) > 4
+    for mixture in mixtures:
+        (boot / "laserbot.txt").write_bytes(mixture)
+        start(boot, root, "robot")
+        assert (root / "etc/hostname").read_text() == "r1\n"
+        assert 'psk="correct horse"' in (root / WIFI[1:]).read_text()
+        assert not (boot / ERRORS).exists()
+        assert (boot / "laserbot.txt").read_bytes() == steps[-1]
 
 
 def test_a_card_without_the_file_or_even_its_partition_starts(boot: Path, root: Path) -> None:

@@ -2,7 +2,6 @@
 
 import os
 import shutil
-from functools import partial
 from hashlib import sha256
 from itertools import count
 from pathlib import Path
@@ -14,8 +13,8 @@ import pytest
 from cards.archive import manifest_of
 from cards.engine import EngineError, Socket
 from cards.laserbot_txt import Card
-from cards.run import run
-from cards.start import tell
+from cards.containers import LABEL
+from cards.run import TRIES
 from cards.versions import State
 from tests.support.updates import CardHost, Cut, image, power, write_update
 
@@ -240,10 +239,45 @@ def test_an_engine_that_fails_is_told_once_until_it_works(master: CardHost) -> N
 
 def test_an_engine_that_is_away_is_told_in_one_line(tmp_path: Path) -> None:
     host = CardHost(tmp_path, "master")
-    assert run(
-        Socket(str(tmp_path / "no.sock")), host.store, Card(role="master"), "host", tell=partial(tell, host.boot)
-    )
+    host.engine = Socket(str(tmp_path / "no.sock"))
+    host.settle(Card(role="master"))
     assert host.told == ["the game cannot be started: the engine does not answer: No such file or directory"]
+    assert not host.restarts
+
+
+def test_an_engine_that_stays_of_no_use_is_given_up_once(master: CardHost) -> None:
+    away, engine = Mock(ask=Mock(side_effect=ConnectionError("the engine does not answer"))), master.engine
+    card = Card(role="master")
+    for tries in range(2 * TRIES):
+        master.engine = away
+        master.settle(card, tries)
+        assert master.restarts == (tries >= TRIES)
+    master.engine = engine
+    master.start()
+    assert engine.changes.count("POST /images/load?quiet=1") == 2, "it had lost all that it had"
+    assert master.runs == "1"
+    # well meanwhile: it may be given up again
+    master.engine = away
+    master.settle(card, TRIES)
+    assert master.restarts == 2
+
+
+def test_an_engine_that_runs_the_game_is_not_given_up(master: CardHost) -> None:
+    master.engine.unreadable.add(image("master", "2"))
+    master.engine.containers["laserbot-web"]["Config"]["Labels"] = {LABEL: "another laserbot.txt"}
+    master.engine.images.clear()
+    master.engine.unreadable.add(image("master", "1"))
+    master.settle(Card(role="master"), TRIES)
+    assert "invalid tar header" in master.told[0]
+    assert not master.restarts
+
+
+def test_a_card_that_is_broken_itself_is_no_fault_of_the_engine(master: CardHost) -> None:
+    for path in (master.store.image("1").parent / "containers").iterdir():
+        path.write_text("")
+    master.settle(Card(role="master"), TRIES)
+    assert "is broken" in master.told[0]
+    assert not master.restarts
 
 
 @pytest.mark.parametrize("content", ["", '{"Image": "webserver:x-2", "Env": [1]}'])
@@ -430,7 +464,10 @@ def test_the_power_may_go_at_any_step(
         assert host.store.state() == (State("4", "3") if ends == "4" else State("3", "2", refused=("4",)))
         kept = {"3", "4" if ends == "4" else "2"}
         assert {path.name for path in (host.store.served.parent / "versions").iterdir()} == kept
-        assert host.engine.images == {image("master", version) for version in kept}
+        loaded = {image("master", version) for version in kept}
+        # after a cut while an image was loaded, it is the only one: the others are loaded when they are needed
+        assert host.engine.images in (loaded, {image("master", ends)})
+        assert not host.engine.hollow & host.engine.images
         if not is_cut:
             break
     assert steps > 30

@@ -1,11 +1,12 @@
 """Who is served next."""
 
 import threading
+import time
 from collections.abc import Iterator
 
 import pytest
 
-from server.web.lanes import BURST, RATE, Lane, Lanes
+from server.web.lanes import BURST, RATE, REFUSED, Lane, Lanes
 from tests.support.polling import until
 
 
@@ -87,6 +88,24 @@ def test_an_address_has_so_many_turns_a_second_and_another_does_not_wait_for_it(
     until(lambda: "other" in server.served, 5)
     assert len(server.served) < BURST + RATE // 2
     until(lambda: len(server.served) == BURST + RATE // 2 + 1, 5, "the rest gets its turns, too")
+
+
+@pytest.mark.parametrize(
+    "lane, owner, waits",
+    [(Lane.PLAYERS, "guesser", True), (Lane.ROBOTS, "guesser", False), (Lane.PLAYERS, None, False)],
+)
+def test_who_is_refused_waits_longer_unless_robots_would(server, lane, owner, waits):
+    for _ in range(BURST // REFUSED):
+        assert server.ask(lane, owner).has_begun.wait(5)
+        server.lanes.refused(lane, owner)
+    began = time.monotonic()
+    assert server.ask(lane, owner).has_begun.wait(5)
+    assert not waits or time.monotonic() - began > 0.5 / RATE
+    server.lanes.refused(lane, owner)
+    server.ask(lane, owner)
+    assert server.ask(lane, "another").has_begun.wait(5)
+    until(lambda: server.served.count(owner or "") == BURST // REFUSED + 2, 5)
+    assert not waits or time.monotonic() - began > 0.8 * REFUSED / RATE
 
 
 def test_this_machine_is_not_slowed_down(server):

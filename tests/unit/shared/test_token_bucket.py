@@ -14,6 +14,14 @@ def test_a_few_at_once_and_then_one_per_period() -> None:
     assert buckets.take("a", 1003.2) > 0.0
 
 
+def test_what_is_charged_has_to_come_back() -> None:
+    buckets = TokenBuckets(burst=4, period=3.0)
+    buckets.charge("a", 5, 1000.0)
+    assert buckets.take("a", 1000.0) == pytest.approx(6.0)
+    assert buckets.take("b", 1000.0) == 0.0
+    assert buckets.take("a", 1006.0) == 0.0
+
+
 def test_nobody_pays_for_another_and_time_heals() -> None:
     buckets = TokenBuckets(burst=2, period=1.0)
     for _ in range(5):
