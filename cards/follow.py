@@ -68,14 +68,8 @@ def follow(
     step = next_step(state, served.version, bool(served.files), store.stored(), store.own)
     if step is Step.STAY or _is_battle(game_at):
         return
-    if step is Step.FETCH:
-        print(f"getting version {served.version}", file=sys.stderr)
-        try:
-            store.add(served, partial(_fetch, served_at, served))
-        except (OSError, HTTPException, ValueError) as error:
-            print(f"version {served.version}: {error}", file=sys.stderr)
-            return
-    if _is_battle(game_at):  # which the work could disturb
+    # a battle that has begun meanwhile could be disturbed by the work that comes now
+    if step is Step.FETCH and (not _stored(store, served_at, served) or _is_battle(game_at)):
         return
     # while the robot is of use yet; what comes of a version that cannot be loaded is for the restart to say
     with suppress(EngineError, ValueError):
@@ -85,6 +79,17 @@ def follow(
         return
     store.remember(tried(state, served.version))
     restart()
+
+
+def _stored(store: Store, served_at: str, served: Manifest) -> bool:
+    """Whether the version that the master serves has come whole."""
+    print(f"getting version {served.version}", file=sys.stderr)
+    try:
+        store.add(served, partial(_fetch, served_at, served))
+    except (OSError, HTTPException, ValueError) as error:
+        print(f"version {served.version}: {error}", file=sys.stderr)
+        return False
+    return True
 
 
 def _fetch(url: str, manifest: Manifest, folder: Path) -> None:

@@ -73,7 +73,7 @@ def parse(content: bytes, zones: Collection[str], role: str) -> tuple[Card, list
     fields = {_letters(field.key): field for field in _fields(zones, role)}
     found: dict[str, Any] = {"role": role}
     lines: dict[str, int] = {}  # where each setting was found
-    refused: dict[str, int] = {}
+    refused: set[str] = set()
     text, mistakes = _decode(content)
     for number, line in enumerate(re.split(r"\r\n|\r|\n", text), 1):
         stripped = trimmed(line)
@@ -95,7 +95,7 @@ def parse(content: bytes, zones: Collection[str], role: str) -> tuple[Card, list
         except ValueError as error:
             given = "" if field.is_secret else f" = {shown(value)}"
             mistakes.append(Mistake(number, f"{field.key}{given}: {error}"))
-            refused[field.name] = number
+            refused.add(field.name)
             continue
         if field.is_list:
             found[field.name] = (*found.get(field.name, ()), value)
@@ -106,12 +106,20 @@ def parse(content: bytes, zones: Collection[str], role: str) -> tuple[Card, list
                 )
             found[field.name] = value
         lines[field.name] = number
-    if "wifi_password" not in found:
-        if "wifi_password" in refused and found.pop("wifi", None):  # an open Wi-Fi of that name would be somebody else's
-            mistakes.append(Mistake(lines["wifi"], "wifi is not joined, since its password cannot be one"))
-    elif "wifi" not in found and found.get("secrets") != values.MOVE:  # else a cut may have left it so
-        mistakes.append(Mistake(lines["wifi_password"], "wifi_password: there is no wifi to which it could belong"))
+    mistakes += _of_wifi(found, lines, refused)
     return Card(**found), sorted(mistakes, key=lambda mistake: mistake.line)
+
+
+def _of_wifi(found: dict[str, Any], lines: Mapping[str, int], refused: Collection[str]) -> list[Mistake]:
+    """What is wrong with name and password together; a network that cannot be meant is taken out of `found`."""
+    if "wifi_password" in refused and "wifi_password" not in found and found.pop("wifi", None):
+        # an open network of that name would be somebody else's
+        return [Mistake(lines["wifi"], "wifi is not joined, since its password cannot be one")]
+    if (
+        "wifi_password" in found and "wifi" not in found and found.get("secrets") != values.MOVE
+    ):  # else a cut may be why
+        return [Mistake(lines["wifi_password"], "wifi_password: there is no wifi to which it could belong")]
+    return []
 
 
 def without_secrets(content: bytes, zones: Collection[str], role: str) -> list[bytes]:
@@ -265,8 +273,8 @@ def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
             "secrets",
             values.secrets,
             values.MOVE,
-            "Where the lines of wifi, wifi_password and operator_token are after the first start with them: keep leaves\n"
-            "them here, move takes them to the card's own partition, which Windows and macOS do not show.",
+            "What becomes of the lines wifi, wifi_password and operator_token at the next start: keep leaves them\n"
+            "here, move takes them to the card's own partition, which Windows and macOS do not show.",
         ),
     )
 

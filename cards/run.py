@@ -44,7 +44,9 @@ def main() -> int:
     arguments = parser.parse_args()
     card, _ = read(arguments.boot, own_role())
     telling = partial(tell, arguments.boot)
-    return run(Socket(ENGINE), Store(STATE, HERE), card, socket.gethostname(), tell=telling, tries=_tries(), restart=_restart)
+    return run(
+        Socket(ENGINE), Store(STATE, HERE), card, socket.gethostname(), tell=telling, tries=_tries(), restart=_restart
+    )
 
 
 def run(

@@ -11,9 +11,9 @@ from unittest.mock import Mock
 import pytest
 
 from cards.archive import manifest_of
+from cards.containers import LABEL
 from cards.engine import EngineError, Socket
 from cards.laserbot_txt import Card
-from cards.containers import LABEL
 from cards.run import TRIES
 from cards.versions import State
 from tests.support.updates import CardHost, Cut, image, power, write_update
@@ -239,7 +239,7 @@ def test_an_engine_that_fails_is_told_once_until_it_works(master: CardHost) -> N
 
 def test_an_engine_that_is_away_is_told_in_one_line(tmp_path: Path) -> None:
     host = CardHost(tmp_path, "master")
-    host.engine = Socket(str(tmp_path / "no.sock"))
+    host.engine = Socket(str(tmp_path / "no.sock"))  # type: ignore[assignment]
     host.settle(Card(role="master"))
     assert host.told == ["the game cannot be started: the engine does not answer: No such file or directory"]
     assert not host.restarts
