@@ -24,8 +24,9 @@ from cards.containers import LABEL, Container, containers
 from cards.engine import Engine, EngineError, Socket, do, inspect
 from cards.files import MASTER_HOST
 from cards.laserbot_txt import Card
-from cards.start import own_role, read, tell
+from cards.start import own_role, read
 from cards.store import Store
+from cards.telling import tell
 from cards.values import PREVIOUS
 from cards.versions import candidates, failed, kept, proven
 

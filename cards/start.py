@@ -14,11 +14,11 @@ import sys
 import zoneinfo
 from pathlib import Path
 
+from cards.backups import DATA, restore
 from cards.files import HOST_NAME, File, files, own_name
 from cards.laserbot_txt import FILE, LONGEST, Card, Mistake, parse, without_secrets
+from cards.telling import tell_mistakes
 from cards.values import MOVE
-
-ERRORS = "laserbot-errors.txt"
 
 
 def main() -> int:
@@ -44,7 +44,9 @@ def start(boot: Path, root: Path, role: str) -> None:
         put(root / path[1:], file)
     if card.secrets == MOVE and not mistakes:
         _move_secrets(boot / FILE, role)
-    _tell(boot / ERRORS, mistakes)
+    tell_mistakes(boot, mistakes)
+    if role == "master":
+        restore(boot, root / DATA)
 
 
 def _move_secrets(path: Path, role: str) -> None:
@@ -106,38 +108,6 @@ def put(path: Path, file: File) -> None:
         if file.owner != "root":
             shutil.chown(new, file.owner, file.owner)
     new.replace(path)
-
-
-def tell(boot: Path, topic: str, problem: str) -> None:
-    """Let one line say what is wrong with the topic, or none without a problem. What is there stays."""
-    path = boot / ERRORS
-    line = " ".join(f"{topic}: {problem}".split())
-    try:
-        known = path.read_text().splitlines() if path.exists() else []
-        if problem and line in known:
-            return
-        lines = [other for other in known if not other.startswith(f"{topic}: ")] + ([line] if problem else [])
-        if not lines:
-            path.unlink(missing_ok=True)
-        elif lines != known:
-            path.write_bytes("".join(f"{other}\r\n" for other in lines).encode())
-    except (OSError, ValueError) as error:
-        print(f"{path}: cannot be written: {error}", file=sys.stderr)
-    if problem:
-        print(line, file=sys.stderr)
-
-
-def _tell(path: Path, mistakes: list[Mistake]) -> None:
-    for mistake in mistakes:
-        print(mistake, file=sys.stderr)
-    text = "".join(f"{mistake}\r\n" for mistake in mistakes)
-    try:
-        if not text:
-            path.unlink(missing_ok=True)
-        elif not path.exists() or path.read_bytes() != text.encode():
-            path.write_bytes(text.encode())
-    except OSError as error:
-        print(f"{path}: cannot be written: {error.strerror}", file=sys.stderr)
 
 
 if __name__ == "__main__":

@@ -16,8 +16,9 @@ from cards.containers import containers
 from cards.engine import Engine, EngineError, Socket
 from cards.laserbot_txt import Card
 from cards.run import ENGINE, HERE, STATE, is_deployed_to
-from cards.start import own_role, read, tell
+from cards.start import own_role, read
 from cards.store import Store
+from cards.telling import tell
 from cards.values import PREVIOUS
 from cards.versions import taken
 from laser_bot_battle.settings import shown

@@ -15,8 +15,8 @@ import pytest
 from cards import archive, trial
 from cards.laserbot_txt import Card
 from cards.run import run
-from cards.start import ERRORS, tell
 from cards.store import Store
+from cards.telling import ERRORS, tell
 from cards.update import update
 from tests.support.card_engine import CardEngine
 

@@ -7,7 +7,8 @@ import pytest
 
 from cards.files import files
 from cards.laserbot_txt import Card, render
-from cards.start import ERRORS, start, tell
+from cards.start import start
+from cards.telling import ERRORS, tell
 
 WIFI = "/etc/wpa_supplicant/wpa_supplicant-wlan0.conf"
 KEYS = "/home/pi/.ssh/authorized_keys"
