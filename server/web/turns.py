@@ -44,8 +44,10 @@ class Turns:
     def _turn(self, timeout: float) -> None:
         for file in list(self._stirred):
             self._ask(file)
-        for file, events in self._epoll.poll(timeout):
-            if (member := self._members.get(file)) is not None:
+        happened = [(file, self._members.get(file), events) for file, events in self._epoll.poll(timeout)]
+        for file, member, events in happened:
+            # one that was closed meanwhile may have left its file to another, which would take the blame
+            if member is not None and self._members.get(file) is member:
                 self.stir(file)
                 wasyncore.readwrite(member, events)
 

@@ -118,3 +118,29 @@ def test_one_that_is_stirred_is_asked_anew() -> None:
     speaker.peer.send(b".")
     loop.run(5)
     assert late.written == 1
+
+
+def test_what_has_happened_to_one_who_is_gone_is_not_told_to_the_next_with_his_file() -> None:
+    members: dict[int, wasyncore.dispatcher] = {}
+    newcomers: list[Member] = []
+    loop = turns(members)
+    are_there = []
+
+    def replace() -> None:
+        if newcomers:
+            are_there.append(newcomers[0] in members.values())
+            wasyncore.close_all(members)
+            return
+        file = gone.socket.fileno()
+        loop.leave(file)
+        gone.close()
+        newcomers.append(Member(members))
+        assert newcomers[0].socket.fileno() == file
+        loop.stir(file)
+        speaker.peer.send(b".")
+
+    speaker, gone = Member(members, replace), Member(members)
+    for member in (speaker, gone):
+        member.peer.send(b".")
+    loop.run(5)
+    assert are_there == [True]
