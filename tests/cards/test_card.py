@@ -109,10 +109,19 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
     with pi.on():
         assert pi.run("cat /etc/machine-id; sudo cat /etc/ssh/ssh_host_ed25519_key.pub") == first_start
         assert pi.run("cat /etc/kept") == "kept\n"
+        assert "card: making" not in pi.screen()
+        wait_for_the_robot(pi)
+        # as a cut leaves it while an image is loaded
+        pi.run("sudo touch /var/lib/laserbot-card/engine-unsound && sync")
+    with pi.on():
+        wait_for_the_robot(pi)
+        assert "card: making the engine's files anew" in pi.screen()
+        assert pi.run("cat /etc/kept; ls /var/lib/laserbot-card/engine-unsound 2>/dev/null || true") == "kept\n"
         # what is beyond repair is made anew
         pi.run("sudo dd if=/dev/zero of=/dev/mmcblk0p3 bs=1M count=64 conv=fsync 2>/dev/null")
     with pi.on():
         assert pi.run("hostname; ls /etc/kept 2>/dev/null || true") == "raspberrypi7\n"
+        assert "card: making /dev/mmcblk0p3" in pi.screen()
         wait_for_the_robot(pi)
 
 

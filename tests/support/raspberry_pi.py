@@ -120,7 +120,7 @@ class RaspberryPi:
 
     def screen(self) -> str:
         """What it has said since it was last switched on."""
-        return self._screen.read_text(errors="replace")
+        return self._screen.read_text(errors="replace") if self._screen.exists() else ""
 
     def run(self, command: str) -> str:
         """What a command of the user pi prints, as soon as the Pi lets one log in. AssertionError if it fails."""
