@@ -6,6 +6,12 @@ from contextlib import closing, suppress
 from http.client import HTTPConnection, HTTPException
 from typing import Any, BinaryIO, Protocol
 
+PING = "/_ping"
+LOAD = "/images/load?quiet=1"
+# s without a byte of an engine that may hang over what a cut has left; its socket is systemd's, and takes everything
+_ANSWER = 120.0
+_ANSWERS = {PING: 10.0, LOAD: 1800.0}
+
 
 class Engine(Protocol):
     def ask(self, method: str, path: str, body: Any = None) -> tuple[int, Any]:
@@ -45,15 +51,19 @@ class Socket:
         if isinstance(body, dict):
             content, kind = json.dumps(body).encode(), "application/json"
         with closing(connection):
+            connection.sock.settimeout(_ANSWERS.get(path, _ANSWER))
             try:
                 connection.sock.connect(self._path)
             except OSError as error:
                 raise ConnectionError(f"the engine does not answer: {error.strerror}") from None
             try:
-                with suppress(ConnectionError):  # it refuses an image before it has read all of it
+                # it refuses an image before it has read all of it
+                with suppress(BrokenPipeError, ConnectionResetError):
                     connection.request(method, path, content, {"Content-Type": kind} if content else {})
                 response = connection.getresponse()
                 text = response.read().decode()
+            except TimeoutError:
+                raise ConnectionError("the engine does not answer: it hangs") from None
             except (OSError, HTTPException) as error:
                 raise EngineError(f"{method} {path} breaks off: {error}") from None
         try:

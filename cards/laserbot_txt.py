@@ -114,7 +114,7 @@ def _of_wifi(found: dict[str, Any], lines: Mapping[str, int], refused: Collectio
     """What is wrong with name and password together; a network that cannot be meant is taken out of `found`."""
     if "wifi_password" in refused and "wifi_password" not in found and found.pop("wifi", None):
         # an open network of that name would be somebody else's
-        return [Mistake(lines["wifi"], "wifi is not joined, since its password cannot be one")]
+        return [Mistake(lines["wifi"], "wifi is not joined, because its password is not valid")]
     if (
         "wifi_password" in found and "wifi" not in found and found.get("secrets") != values.MOVE
     ):  # else a cut may be why
@@ -122,28 +122,19 @@ def _of_wifi(found: dict[str, Any], lines: Mapping[str, int], refused: Collectio
     return []
 
 
-def without_secrets(content: bytes, zones: Collection[str], role: str) -> list[bytes]:
-    """A file without mistakes, with a comment in place of each line that the card alone has to know: of the same
-    length, so that it can be written over the old one, and whatever a cut leaves of either is a file.
-
-    In steps, to be written one after the other: a Wi-Fi without its password would be an open one.
-    """
-    return [_covered(content, _fields(zones, role), names) for names in (("wifi",), _SECRETS)]
-
-
-def _covered(content: bytes, fields: Collection[_Field], names: Collection[str]) -> bytes:
-    by_letters = {_letters(field.key): field for field in fields}
+def without_secrets(content: bytes, zones: Collection[str], role: str) -> bytes:
+    """A file without mistakes, with a comment in place of each line that the card alone has to know."""
+    fields = {_letters(field.key): field for field in _fields(zones, role)}
     encoding = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(content[:2], "utf-8")
 
-    def cover(match: re.Match[str]) -> str:
+    def moved(match: re.Match[str]) -> str:
         line = trimmed(match[0])
-        field, value = _assignment(line, by_letters) if line and not line.startswith("#") else (None, "")
-        if not (field and field.name in names and value):
+        if not line or line.startswith("#"):
             return match[0]
-        length = len(match[0].encode(encoding)) // len("#".encode(encoding))
-        return f"# {field.key}: moved"[:length].ljust(length)
+        field, value = _assignment(line, fields)
+        return f"# {field.key}: moved" if field.name in _SECRETS and value else match[0]
 
-    return re.sub(r"[^\r\n]+", cover, content.decode(encoding)).encode(encoding)
+    return re.sub(r"[^\r\n]+", moved, content.decode(encoding)).encode(encoding)
 
 
 def render(role: str) -> str:
@@ -274,7 +265,8 @@ def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
             values.secrets,
             values.MOVE,
             "What becomes of the lines wifi, wifi_password and operator_token at the next start: keep leaves them\n"
-            "here, move takes them to the card's own partition, which Windows and macOS do not show.",
+            "here, move takes them to the card's own partition, which Windows and macOS do not show. To change the\n"
+            "Wi-Fi then, write wifi and wifi_password again.",
         ),
     )
 

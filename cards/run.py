@@ -21,7 +21,7 @@ from typing import Any
 
 from cards import trial
 from cards.containers import LABEL, Container, containers
-from cards.engine import Engine, EngineError, Socket, do, inspect
+from cards.engine import LOAD, PING, Engine, EngineError, Socket, do, inspect
 from cards.files import MASTER_HOST
 from cards.laserbot_txt import Card
 from cards.start import own_role, read
@@ -79,12 +79,11 @@ def run(
 
 
 def _plays(engine: Engine) -> bool:
-    """Whether any of the card's containers runs."""
+    """Whether any container runs."""
     try:
-        there = do(engine, "GET", "/containers/json")
+        return bool(do(engine, "GET", "/containers/json"))
     except (EngineError, OSError):
         return False
-    return any(LABEL in (one["Labels"] or {}) for one in there)
 
 
 def _tries() -> int:
@@ -109,6 +108,7 @@ def settle(
 
     EngineError or ValueError if not even the card's own runs; OSError if the engine is away.
     """
+    do(engine, "GET", PING)
     state, back = store.state(), card.version == PREVIOUS
     versions = candidates(state, back, store.stored(), store.own)
     for version, other in zip_longest(versions, versions[1:]):
@@ -198,7 +198,7 @@ def load(engine: Engine, store: Store, version: str, images: Collection[str]) ->
     except OSError as error:
         raise ValueError(f"{archive.name} cannot be read: {error.strerror}") from None
     with opened, store.loading():
-        answer = str(do(engine, "POST", "/images/load?quiet=1", opened))
+        answer = str(do(engine, "POST", LOAD, opened))
     if "errorDetail" in answer:  # found after the engine has begun to answer
         raise EngineError(f"the engine cannot load {archive.name}: {answer.strip()}")
 

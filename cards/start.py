@@ -14,7 +14,7 @@ import sys
 import zoneinfo
 from pathlib import Path
 
-from cards.backups import DATA, restore
+from cards.backups import restore
 from cards.files import HOST_NAME, File, files, own_name
 from cards.laserbot_txt import FILE, LONGEST, Card, Mistake, parse, without_secrets
 from cards.telling import tell_mistakes
@@ -46,23 +46,32 @@ def start(boot: Path, root: Path, role: str) -> None:
         _move_secrets(boot / FILE, role)
     tell_mistakes(boot, mistakes)
     if role == "master":
-        restore(boot, root / DATA)
+        restore(boot, root)
 
 
 def _move_secrets(path: Path, role: str) -> None:
     """Off the partition that every computer shows, once what they have become is on the other."""
     os.sync()
     try:
-        with path.open("r+b") as file:
-            content = file.read()
-            for step in without_secrets(content, zoneinfo.available_timezones(), role):
-                if step != content:
-                    file.seek(0)  # over the old ones: another file would leave them on the card
-                    file.write(step)
-                    file.flush()
-                    os.fsync(file.fileno())
-    except OSError as error:
-        print(f"{path}: the secrets stay there: {error.strerror}", file=sys.stderr)
+        with path.open("r+b") as old:
+            content = old.read()
+            rest = without_secrets(content, zoneinfo.available_timezones(), role)
+            if rest == content:
+                return
+            new = path.with_name(f"{path.name}.new")
+            with new.open("wb") as file:
+                file.write(rest)
+                file.flush()
+                os.fsync(file.fileno())
+            new.replace(path)
+            os.sync()
+            # the old one has no name any more, but its content would stay on the card
+            old.seek(0)
+            old.write(bytes(len(content)))
+            old.flush()
+            os.fsync(old.fileno())
+    except (OSError, ValueError) as error:
+        print(f"{path}: the secrets stay there: {error}", file=sys.stderr)
 
 
 def read(boot: Path, role: str) -> tuple[Card, list[Mistake]]:

@@ -76,14 +76,14 @@ class Store:
             yield
         finally:
             os.sync()
-            (self._folder / _UNSOUND).unlink()
+            (self._folder / _UNSOUND).unlink(missing_ok=True)
 
     def give_up_the_engine(self) -> bool:
         """Have its images and containers made anew at the next start; False if that has not helped the last time."""
         if (self._folder / _ANEW).exists():
             return False
-        self._mark(_ANEW)
         self._mark(_UNSOUND)
+        self._mark(_ANEW)
         return True
 
     def engine_is_well(self) -> None:

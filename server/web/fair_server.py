@@ -15,7 +15,7 @@ from waitress.adjustments import Adjustments
 from waitress.channel import HTTPChannel
 from waitress.parser import HTTPRequestParser, ParsingError
 from waitress.server import TcpWSGIServer
-from waitress.task import ErrorTask, WSGITask
+from waitress.task import WSGITask
 
 from laser_bot_battle.listening import Listener
 from laser_bot_battle.open_files import allow_files
@@ -49,28 +49,21 @@ class _Parser(HTTPRequestParser):  # type: ignore[misc]
         return consumed
 
 
-class _Told:
-    """A waitress task that tells its server if it has refused what it was asked."""
-
-    def finish(self) -> None:
-        super().finish()  # type: ignore[misc]
-        if self.status.startswith("4"):  # type: ignore[attr-defined]
-            self.channel.server.refused(self.channel)  # type: ignore[attr-defined]
-
-
-class _Task(_Told, WSGITask):  # type: ignore[misc]
-    pass
-
-
-class _ErrorTask(_Told, ErrorTask):  # type: ignore[misc]
-    pass
+class _Task(WSGITask):  # type: ignore[misc]
+    def service(self) -> None:
+        """As ever; the server gets to know what was refused."""
+        try:
+            super().service()
+        finally:
+            if self.status.startswith("4"):
+                self.channel.server.refused(self.channel)
 
 
 class _Channel(HTTPChannel):  # type: ignore[misc]
     """A connection. `waits_since`: since when the server has waited for a request; monotonic s, as all times here."""
 
     parser_class = _Parser
-    task_class, error_task_class = _Task, _ErrorTask
+    task_class = _Task
 
     def __init__(self, *arguments: Any, **options: Any) -> None:
         self.waits_since = time.monotonic()

@@ -1,8 +1,8 @@
 """Who is served next. What a battle lives on never waits for what people look at, nor one address for another.
 
 Each lane has threads of its own. Within a lane the addresses take turns, a request each, and none has more than RATE
-turns a second: who asks a thousand times waits for himself. What is refused counts as REFUSED turns: who guesses waits
-longer.
+turns a second: who asks a thousand times waits for himself. A player who is refused has had REFUSED turns: who guesses
+waits longer.
 """
 
 import logging
@@ -57,8 +57,9 @@ class Lanes:
         self._queues[lane].put(task, owner)
 
     def refused(self, lane: Lane, owner: str | None) -> None:
-        """That is what became of a request of this owner. A robot does not pay for what others guess at its address."""
-        if owner is not None and lane is not Lane.ROBOTS:
+        """That is what became of a request of this owner. It counts where people guess: a robot does not pay for what
+        others do at its address, nor anybody for a page that is not there."""
+        if owner is not None and lane is Lane.PLAYERS:
             self._queues[lane].charge(owner, REFUSED - 1)
 
     def shutdown(self, cancel_pending: bool = True, timeout: float = 5) -> bool:

@@ -35,6 +35,8 @@ class CardEngine:
         if method != "GET":
             self.changes.append(f"{method} {path}")
         match method, path.partition("?")[0].strip("/").split("/"):
+            case _, ["_ping"]:
+                return 200, "OK"
             case _, ["images", *words]:
                 return self._images(method, words, body)
             case _, ["containers", *words]:

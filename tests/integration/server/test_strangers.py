@@ -235,22 +235,12 @@ def test_one_address_does_not_take_all_robots_at_once(server: GameServer) -> Non
         assert server.post("signUpUser", data=name)["status"] in ("OK", "NO_ROBOTS"), "this machine's own never wait"
 
 
-def test_who_guesses_names_or_asks_badly_waits_longer_each_time(server: GameServer, connect) -> None:
-    def seconds(ask: Callable[[], object]) -> float:
-        began = time.monotonic()
-        for _ in range(BURST // REFUSED + 5):
-            ask()
-        return time.monotonic() - began
-
-    def guess() -> None:
+def test_who_guesses_names_waits_longer_each_time(server: GameServer) -> None:
+    began = time.monotonic()
+    for _ in range(BURST // REFUSED + 5):
         assert post(server, "127.0.0.2", "signUpUser", data="no name!").status_code == 400
-
-    def misspell() -> None:
-        assert answer(connect("127.0.0.3"), b"GET / HTTP/1.1\r\nContent-Length: x\r\n\r\n").startswith(b"HTTP/1.1 400")
-
-    assert seconds(guess) > 4 * REFUSED / RATE
-    assert seconds(misspell) > 4 * REFUSED / RATE
-    assert post(server, "127.0.0.4", "getAvailableRobots").status_code == 200
+    assert time.monotonic() - began > 4 * REFUSED / RATE
+    assert post(server, "127.0.0.3", "getAvailableRobots").status_code == 200
 
 
 def register(server: GameServer, first: int, last: int, key: str = "") -> list[int | None]:

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cards.engine import EngineError, Socket, do
+from cards import engine as engines
+from cards.engine import PING, EngineError, Socket, do
 
 REFUSED = b'HTTP/1.1 500 Error\r\nContent-Length: 28\r\n\r\n{"message": "no space left"}'
 
@@ -55,3 +56,13 @@ def test_an_engine_that_hangs_up_before_it_has_read_all_is_understood(
 ) -> None:
     with archive.open("rb") as file, pytest.raises(EngineError, match=told):
         do(engine(answer), "POST", "/images/load", file)
+
+
+def test_an_engine_that_hangs_is_as_good_as_away(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its socket is systemd's, which takes questions for an engine that does not."""
+    monkeypatch.setitem(engines._ANSWERS, PING, 0.1)
+    with socket.socket(socket.AF_UNIX) as listening:
+        listening.bind(str(tmp_path / "engine.sock"))
+        listening.listen()
+        with pytest.raises(ConnectionError, match="the engine does not answer: it hangs"):
+            do(Socket(str(tmp_path / "engine.sock")), "GET", PING)

@@ -2,7 +2,7 @@
 
 import re
 
-from cards import backups, follow, run
+from cards import follow, run
 from cards.store import Store
 from cards.values import ROLES
 from tests.support.programs import ROOT
@@ -26,13 +26,8 @@ def test_each_unit_that_is_enabled_or_wanted_is_on_the_card() -> None:
 def test_the_units_that_only_one_role_has_are_enabled_or_started_by_one_that_is() -> None:
     for role in ROLES:
         [enabled] = re.findall(rf'^{role}\) own="?(.+?)"? ;;', BASE, re.MULTILINE)
-        started = {re.sub(r"\.(timer|path)$", ".service", unit) for unit in enabled.split()}
+        started = {re.sub(r"\.timer$", ".service", unit) for unit in enabled.split()}
         assert {*enabled.split(), *started} == set(units(f"system-{role}"))
-
-
-def test_the_folder_that_is_looked_at_is_that_of_the_backups() -> None:
-    looked_at = units("system-master")["laserbot-backups.path"]
-    assert f"PathChanged=/{backups.DATA}/backups\n" in looked_at
 
 
 def test_each_unit_starts_after_laserbot_txt_was_read_and_runs_a_program_that_there_is() -> None:

@@ -94,7 +94,7 @@ def test_an_address_has_so_many_turns_a_second_and_another_does_not_wait_for_it(
     "lane, owner, waits",
     [(Lane.PLAYERS, "guesser", True), (Lane.ROBOTS, "guesser", False), (Lane.PLAYERS, None, False)],
 )
-def test_who_is_refused_waits_longer_unless_robots_would(server, lane, owner, waits):
+def test_a_player_who_is_refused_waits_longer(server, lane, owner, waits):
     for _ in range(BURST // REFUSED):
         assert server.ask(lane, owner).has_begun.wait(5)
         server.lanes.refused(lane, owner)
