@@ -15,12 +15,11 @@ import sys
 from contextlib import closing
 from pathlib import Path
 
-from cards.files import CONTAINER_USER
+from cards.files import CONTAINER_USER, STATE
 from cards.telling import tell
 
 COPY, DAMAGED = "laserbot-results.db", "laserbot-results-damaged.db"
 DATA = "var/lib/laserbot"  # of the game
-WORK = "var/lib/laserbot-card"
 _DATABASE = "laserbot.db"
 _ROOM = 150 << 20  # bytes of the first partition that stay free: for an update
 
@@ -38,7 +37,7 @@ def keep(boot: Path, root: Path) -> int:
     database = root / DATA / _DATABASE
     if not database.exists():
         return 0
-    problem, saved = "", root / WORK / COPY
+    problem, saved = "", root / STATE.relative_to("/") / COPY
     try:
         saved.parent.mkdir(parents=True, exist_ok=True)
         saved.unlink(missing_ok=True)
@@ -112,7 +111,7 @@ def _copy(source: Path, target: Path, owner: int | None = None) -> None:
     if owner is not None:
         shutil.chown(new, owner, owner)
     new.replace(target)
-    os.sync()  # a FAT would give the old content away before it has the new name
+    os.sync()  # a FAT frees the old content before the new name is on the disk
 
 
 def _new(target: Path) -> Path:

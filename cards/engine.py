@@ -8,7 +8,7 @@ from typing import Any, BinaryIO, Protocol
 
 PING = "/_ping"
 LOAD = "/images/load?quiet=1"
-# s without a byte of an engine that may hang over what a cut has left; its socket is systemd's, and takes everything
+# s without a byte. What a cut has left may hang the engine, and systemd, whose socket it is, accepts questions for it.
 _ANSWER = 120.0
 _ANSWERS = {PING: 10.0, LOAD: 1800.0}
 

@@ -1,9 +1,11 @@
 """What the settings of a card become: files of its system."""
 
+from pathlib import Path
 from typing import NamedTuple
 
 from cards.laserbot_txt import Card
 
+STATE = Path("/var/lib/laserbot-card")  # what a card remembers
 MASTER_HOST = "laser-bot-master"
 HOST_NAME = "/etc/hostname"
 USER = "pi"

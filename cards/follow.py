@@ -20,9 +20,9 @@ from typing import Any
 from cards.archive import LONGEST, MANIFEST, Manifest, check_descriptions, copy, parse
 from cards.containers import containers
 from cards.engine import Engine, EngineError, Socket
-from cards.files import MASTER_HOST
+from cards.files import MASTER_HOST, STATE
 from cards.laserbot_txt import Card
-from cards.run import ENGINE, HERE, STATE, UNIT, is_deployed_to, load
+from cards.run import ENGINE, HERE, UNIT, is_deployed_to, load
 from cards.start import read
 from cards.store import Store
 from cards.versions import Step, next_step, tried
@@ -71,7 +71,7 @@ def follow(
     # a battle that has begun meanwhile could be disturbed by the work that comes now
     if step is Step.FETCH and (not _stored(store, served_at, served) or _is_battle(game_at)):
         return
-    # while the robot is of use yet; what comes of a version that cannot be loaded is for the restart to say
+    # while the robot can still play; a version that cannot be loaded is dealt with at the restart
     with suppress(EngineError, ValueError):
         load(engine, store, served.version, {one["Image"] for one in store.described(served.version).values()})
     # asked in its own name at last: then no countdown begins before it has restarted

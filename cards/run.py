@@ -22,7 +22,7 @@ from typing import Any
 from cards import trial
 from cards.containers import LABEL, Container, containers
 from cards.engine import LOAD, PING, Engine, EngineError, Socket, do, inspect
-from cards.files import MASTER_HOST
+from cards.files import MASTER_HOST, STATE
 from cards.laserbot_txt import Card
 from cards.start import own_role, read
 from cards.store import Store
@@ -31,7 +31,6 @@ from cards.values import PREVIOUS
 from cards.versions import candidates, failed, kept, proven
 
 HERE = Path(__file__).resolve().parents[1]
-STATE = Path("/var/lib/laserbot-card")
 ENGINE = "/run/docker.sock"
 UNIT = "laserbot-containers.service"
 TRIES = 12  # of this program in a row, 10 s apart, before the engine is given up

@@ -14,8 +14,9 @@ from pathlib import Path
 from cards.archive import manifest_of, unpack
 from cards.containers import containers
 from cards.engine import Engine, EngineError, Socket
+from cards.files import STATE
 from cards.laserbot_txt import Card
-from cards.run import ENGINE, HERE, STATE, is_deployed_to
+from cards.run import ENGINE, HERE, is_deployed_to
 from cards.start import own_role, read
 from cards.store import Store
 from cards.telling import tell

@@ -7,7 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from cards.backups import COPY, DAMAGED, DATA, WORK, keep
+from cards.backups import COPY, DAMAGED, DATA, keep
+from cards.files import STATE
 from cards.start import start
 from cards.telling import ERRORS
 
@@ -79,7 +80,7 @@ def test_a_master_whose_state_is_new_has_the_results_again(
     assert anew.winners == ["ada", "bob"]
     assert owned == [("laserbot.db.new", 10001)], "the containers' user"
     assert [path.name for path in anew.database.parent.iterdir()] == ["laserbot.db"]
-    assert list((master.root / WORK).iterdir()) == []
+    assert list((master.root / STATE.relative_to("/")).iterdir()) == []
     assert not anew.told
 
 

@@ -1,8 +1,10 @@
 """The units of a card fit together: what is enabled, wanted or run is there."""
 
 import re
+from pathlib import Path
 
-from cards import follow, run
+from cards import follow
+from cards.files import STATE
 from cards.store import Store
 from cards.values import ROLES
 from tests.support.programs import ROOT
@@ -47,6 +49,14 @@ def test_what_is_taken_is_run_at_the_same_start() -> None:
 
 
 def test_a_master_serves_only_what_is_meant_for_robots_and_where_they_ask() -> None:
-    served = Store(run.STATE, ROOT / "no card").served
+    served = Store(STATE, ROOT / "no card").served
     command = f"ExecStart=/usr/bin/python3 -m http.server {follow.PORT} --directory {served}\n"
     assert command in units("system-master")["laserbot-served.service"]
+
+
+def test_the_first_program_looks_where_the_mark_of_a_cut_load_is(tmp_path: Path) -> None:
+    init = (ROOT / "cards/boot/init").read_text()
+    [mark] = re.findall(r"^unsound=/state/changes(/.*)/(.*)$", init, re.MULTILINE)
+    store = Store(tmp_path, ROOT / "no card")
+    with store.loading():
+        assert mark == (str(STATE), next(tmp_path.iterdir()).name)
