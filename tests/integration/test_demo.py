@@ -77,7 +77,7 @@ def test_make_demo_starts_and_ctrl_c_ends_it() -> None:
         below = descendants(program.process.pid)
     finally:
         os.killpg(program.process.pid, signal.SIGINT)  # as a terminal does
-        program.process.wait(30)
+        program.exit_code(30)
     assert "ready: 4 virtual robots" in output
     assert "ready: 2 bots" in output
     assert "2 people can play" in output

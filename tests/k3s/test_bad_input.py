@@ -109,7 +109,7 @@ def test_a_port_that_is_taken_is_named() -> None:
         environment = {"LASERBOT_WEB_PORT": str(number), "ROS_MASTER_URI": f"http://localhost:{free_port()}"}
         program = Program.python("server.main", env={**environment, "PYTHONPATH": PYTHONPATH})
         program.wait_for(f"cannot listen on 0.0.0.0 port {number}")
-        assert program.process.wait(10) == 1
+        assert program.exit_code() == 1
     assert quoted("cannot listen on 0.0.0.0 port 5000")
 
 

@@ -86,18 +86,23 @@ class Program:
             raise AssertionError(f"{error}\n{self.output}") from None
         return self.output
 
-    def stop(self, sig: int = signal.SIGINT, seconds: float = 10.0) -> int:
-        """Signal the process, wait for its end, kill what is left of its group; returns its exit code."""
-        if self.running:
-            self.process.send_signal(sig)
+    def exit_code(self, seconds: float = 20.0) -> int:
+        """Wait for its own end; AssertionError with the output, and with where it hangs, if it is late."""
         try:
             until(lambda: not self.running, seconds, f"the end of {self.command}")
         except AssertionError as error:
             self._abort()
             raise AssertionError(f"{error}\n{self.output}") from None
+        return self.process.returncode
+
+    def stop(self, sig: int = signal.SIGINT, seconds: float = 10.0) -> int:
+        """Signal the process, wait for its end, kill what is left of its group; returns its exit code."""
+        if self.running:
+            self.process.send_signal(sig)
+        try:
+            return self.exit_code(seconds)
         finally:
             self.kill()
-        return self.process.returncode
 
     def _abort(self) -> None:
         """Have what hangs say where: Python's fault handler prints what each thread is at."""

@@ -112,5 +112,5 @@ def test_without_a_server_they_wait_and_end_cleanly() -> None:
 
 def test_an_impossible_setting_is_one_clear_line() -> None:
     bots = Program.python("server.bots", "--rosbridge", "master")
-    assert bots.process.wait(10) == 2
+    assert bots.exit_code() == 2
     assert bots.output == "python3 -m server.bots: --rosbridge master: must be HOST:PORT\n"

@@ -162,7 +162,7 @@ def test_a_port_in_use_is_one_clear_line(ros_master: RosMaster) -> None:
     with socket.create_server(("127.0.0.1", 0)) as other:
         port = other.getsockname()[1]
         program = Program.python("server.camera", env={**ros_master.env, "LASERBOT_RELAY_PORT": str(port)})
-        assert program.process.wait(10) == 1
+        assert program.exit_code() == 1
     (line,) = program.output.splitlines()
     assert f"port {port}" in line
     assert "LASERBOT_RELAY_PORT" in line
@@ -170,8 +170,8 @@ def test_a_port_in_use_is_one_clear_line(ros_master: RosMaster) -> None:
 
 def test_help_names_the_settings_and_an_impossible_one_is_one_clear_line() -> None:
     program = Program([sys.executable, "-m", "server.camera", "--help"], {"PYTHONPATH": "build/python"})
-    assert program.process.wait(10) == 0
+    assert program.exit_code() == 0
     assert "LASERBOT_RELAY_VIEWERS" in program.output
     program = Program.python("server.camera", env={"LASERBOT_RELAY_RATE": "fast"})
-    assert program.process.wait(10) == 2
+    assert program.exit_code() == 2
     assert program.output.startswith("python3 -m server.camera: LASERBOT_RELAY_RATE=fast: must be a whole number")

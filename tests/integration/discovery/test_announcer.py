@@ -13,7 +13,7 @@ import pytest
 
 from laser_bot_battle.names import MASTER_HOST, MASTER_HOST_ALIAS, VERSION
 from tests.support.lan import Lan, Machine, avahi, needs_root, sees
-from tests.support.polling import LATEST, until
+from tests.support.polling import until
 
 pytestmark = needs_root
 
@@ -106,7 +106,7 @@ def ears() -> Iterator[type[Ears]]:
 def addresses_of(name: str, asker: Machine) -> list[str]:
     """Who answers for a host name."""
     program = asker.python(EARS, name)
-    assert program.process.wait(LATEST) == 0, program.output
+    assert program.exit_code() == 0, program.output
     addresses: list[str] = json.loads(program.output)
     return addresses
 
@@ -360,7 +360,7 @@ def test_a_flood_of_nonsense_costs_no_memory_and_the_arena_stays_announced(lan: 
     memory, said = process.memory_info().rss, len(hall.output.splitlines())
     flood = other.python("tests.integration.discovery.flood", "10000")
     flood.wait_for("done", 120)
-    assert flood.process.wait(10) == 0
+    assert flood.exit_code() == 0
     assert addresses_of(MASTER_HOST, robot) == ["10.9.0.1"]
     ears(robot).hears_it_at("10.9.0.1")
     assert process.memory_info().rss < memory + 15_000_000

@@ -20,7 +20,7 @@ def asked(machine: Machine, folder: Path, address: str = "", **env: str) -> str:
     hosts.write_text(json.dumps({"laser_bot_master": master}))
     path = f"{ROOT / 'laser_bot_battle/src'}:{ROOT / 'ansible/checks'}"
     program = machine.program(sys.executable, "-c", CODE, str(hosts), env={"PYTHONPATH": path, **env})
-    assert program.process.wait(30) == 0, program.output
+    assert program.exit_code(30) == 0, program.output
     return program.output.strip()
 
 

@@ -34,7 +34,7 @@ def find(machine: Machine, *options: str) -> Program:
 def test_it_lists_an_arena_and_says_which_of_its_addresses_answers(lan: Lan, tmp_path: Path) -> None:
     with LanMaster(lan.machine(), "hall", tmp_path):
         program = find(lan.machine())
-        assert program.process.wait(30) == 0
+        assert program.exit_code(30) == 0
     assert program.output == (
         "Listening for 3 s ...\n"
         "arena 'hall', version 1.0.0\n"
@@ -49,7 +49,7 @@ def test_every_search_beside_the_announcer_and_each_other_hears_the_arena(lan: L
     home = lan.machine()
     with LanMaster(home, "hall", tmp_path):
         searches = [home.python("robot.find", "--seconds", str(LISTEN)) for _ in range(4)]
-        assert [program.process.wait(30) for program in searches] == [0] * 4, [one.output for one in searches]
+        assert [program.exit_code(30) for program in searches] == [0] * 4, [one.output for one in searches]
 
 
 @pytest.mark.slow
@@ -57,7 +57,7 @@ def test_it_says_what_was_passed_over_and_why_and_what_to_check(lan: Lan) -> Non
     liar, away = lan.machine(), lan.machine()
     liars = [announced(liar, *words) for words in USELESS]
     program = find(away)
-    assert program.process.wait(30) == 1
+    assert program.exit_code(30) == 1
     for words, said in USELESS.items():
         assert said in program.output, (words, program.output)
     assert "Do the firewalls let UDP port 5353 pass" in program.output
@@ -69,7 +69,7 @@ def test_it_says_so_without_any_network(lan: Lan) -> None:
     machine = lan.machine()
     machine.ip("addr", "flush", "dev", "eth0")
     program = find(machine)
-    assert program.process.wait(30) == 1
+    assert program.exit_code(30) == 1
     assert "Nothing can be heard here: this machine has no address in any network." in program.output
 
 
@@ -85,14 +85,14 @@ def test_a_flood_of_nonsense_ends_it(lan: Lan) -> None:
     program = find(lan.machine(), "--seconds", "600")
     program.wait_for("Listening")
     liar = announced(lan.machine(), "--nonsense", "10000")
-    assert program.process.wait(60) == 1
+    assert program.exit_code(60) == 1
     assert "passed over: everything beyond 64 arenas" in program.output
     liar.kill()
 
 
 def test_an_impossible_time_is_refused(lan: Lan) -> None:
     program = find(lan.machine(), "--seconds", "nan")
-    assert program.process.wait(30) == 2
+    assert program.exit_code(30) == 2
     assert "'nan' is not a number of seconds up to 3600" in program.output
 
 
@@ -100,5 +100,5 @@ def test_it_needs_neither_ros_nor_what_is_generated(lan: Lan, tmp_path: Path) ->
     (tmp_path / "rospy.py").write_text("raise ImportError('no ROS here')\n")
     path = f"{tmp_path}:{ROOT}:{ROOT}/laser_bot_battle/src"
     program = lan.machine().python("robot.find", "--help", env={"PYTHONPATH": path})
-    assert program.process.wait(30) == 0, program.output
+    assert program.exit_code(30) == 0, program.output
     assert re.search(r"--seconds SECONDS\s+how long to listen \(default 3\)", program.output)

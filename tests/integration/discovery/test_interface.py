@@ -26,7 +26,7 @@ def test_one_that_is_not_there_ends_each_program_and_names_those_that_are(lan: L
     env = {"LASERBOT_INTERFACE": "wlan7", "LASERBOT_MASTER": "", "LASERBOT_CAMERA": "/dev/video0"}
     started = [machine.python(module, env=env) for module in PROGRAMS]
     for program in started:
-        assert program.process.wait(60) == 2, program.output
+        assert program.exit_code(60) == 2, program.output
         assert "LASERBOT_INTERFACE=wlan7: there is no interface, address or network 'wlan7' on this machine; " in (
             program.output
         )

@@ -37,7 +37,7 @@ def test_the_serial_node_finds_the_arena_when_it_is_started_by_hand(lan: Lan, tm
         assert node.stop() == 0
         uno.kill()
     lonely = away.python("robot.serial_node", str(device), env=NOTHING_GIVEN)
-    assert lonely.process.wait(30) == 1
+    assert lonely.exit_code(30) == 1
     assert "no arena announces itself in this network" in lonely.output
 
 

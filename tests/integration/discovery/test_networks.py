@@ -12,7 +12,7 @@ from tests.integration.discovery.master import LanMaster
 from tests.integration.discovery.robot import LanRobot
 from tests.support import networks
 from tests.support.lan import Lan, Machine, needs_root
-from tests.support.polling import LATEST, until
+from tests.support.polling import until
 
 pytestmark = needs_root
 
@@ -88,7 +88,7 @@ def test_robots_of_two_networks_join_each_by_the_address_by_which_it_came(lan: L
 def addresses_of(name: str, asker: Machine) -> list[str]:
     """What that machine hears about a host name."""
     program = asker.python("tests.integration.discovery.ears", name)
-    assert program.process.wait(LATEST) == 0, program.output
+    assert program.exit_code() == 0, program.output
     found: list[str] = json.loads(program.output)
     return found
 

@@ -212,12 +212,12 @@ def test_a_port_that_is_taken_is_said(settings: dict[str, str]) -> None:
         port = other.getsockname()[1]
         env = {**settings, "LASERBOT_SERIAL": f"tcp-listen://127.0.0.1:{port}"}
         server = Program.python("robot.id_service_client", env=env)
-        assert server.process.wait(10) == 1
+        assert server.exit_code() == 1
     assert f"cannot listen for boards on port {port}: Address already in use" in server.output
 
 
 @pytest.mark.parametrize("value", ["tcp-listen://", "tcp-listen://:0", "tcp-listen://:11411 /dev/ttyACM0"])
 def test_a_wrong_address_is_said(value: str) -> None:
     server = Program.python("robot.id_service_client", env={"LASERBOT_SERIAL": value})
-    assert server.process.wait(10) == 2
+    assert server.exit_code() == 2
     assert server.output.endswith("must be tcp-listen://address:port alone, such as tcp-listen://:11411\n")

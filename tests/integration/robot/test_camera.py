@@ -171,7 +171,7 @@ def test_the_program_ends_with_ustreamer_and_ustreamer_with_the_program() -> Non
         program.wait_for("ARGUMENTS")
         (child,) = psutil.Process(program.process.pid).children()
         child.kill()
-        assert program.process.wait(10) == 1
+        assert program.exit_code() == 1
         assert "ustreamer has ended (-9)" in program.output
     with camera(LASERBOT_CAMERA="/dev/video0") as (program, address):
         program.wait_for("ARGUMENTS")
@@ -186,11 +186,11 @@ def test_a_port_in_use_and_a_wrong_setting_are_one_clear_line() -> None:
     with socket.create_server(("", 0)) as other:
         port = str(other.getsockname()[1])
         program = Program.python("robot.camera", env={"LASERBOT_MASTER": "127.0.0.1", "LASERBOT_CAMERA_PORT": port})
-        assert program.process.wait(20) == 1
+        assert program.exit_code() == 1
         assert f"cannot listen on port {port}" in program.output
         assert "LASERBOT_CAMERA_PORT" in program.output
     program = Program.python("robot.camera", env={"LASERBOT_CAMERA_SIZE": "big"})
-    assert program.process.wait(20) == 2
+    assert program.exit_code() == 2
     assert "LASERBOT_CAMERA_SIZE=big: must be width x height, such as 640x480" in program.output
 
 

@@ -295,5 +295,5 @@ def test_the_serial_node_does_not_outlive_a_killed_supervisor(ids: IdService, ro
 
 def test_a_wrong_setting_ends_it_with_one_line() -> None:
     robot = Program.python("robot.id_service_client", env={"LASERBOT_WEB_PORT": "x", "PYTHONPATH": "build/python"})
-    assert robot.process.wait(10) == 2
+    assert robot.exit_code() == 2
     assert robot.output == "robot.id_service_client: LASERBOT_WEB_PORT=x: must be a whole number from 1 to 65535\n"

@@ -82,7 +82,7 @@ def test_a_worker_that_rests_may_take_its_time(kept: Kept) -> None:
 
 @kept_with(ENDS)
 def test_what_a_worker_ends_with_is_the_programs_end(kept: Kept) -> None:
-    assert kept.process.wait(10) == 3
+    assert kept.exit_code() == 3
     assert len(kept.workers()) == 1
 
 
@@ -91,7 +91,7 @@ def test_what_a_worker_ends_with_is_the_programs_end(kept: Kept) -> None:
 def test_a_signal_reaches_the_worker_and_ends_both(kept: Kept, number: signal.Signals) -> None:
     worker = kept.newest(1)
     kept.process.send_signal(number)
-    assert kept.process.wait(10) == 0
+    assert kept.exit_code() == 0
     assert not psutil.pid_exists(worker)
 
 

@@ -99,7 +99,7 @@ def test_a_device_that_takes_no_command_ends_the_node_with_an_error(start: Start
     node = serve(start, device.path, 33)
     with device.clogged():
         publish(start, "/Robot33/command", "1 0 0", count=1000)
-        assert node.process.wait(15) == 1
+        assert node.exit_code() == 1
     assert "Connection to Arduino lost: cannot write to" in node.output
     assert "Traceback" not in node.output
 
@@ -120,7 +120,7 @@ def test_garbage_and_half_frames_do_not_stop_the_hits(start: Start, device: Devi
 def test_an_unplugged_device_ends_the_node_with_an_error(start: Start, device: Device) -> None:
     node = serve(start, device.path, 17)
     device.unplug()
-    assert node.process.wait(10) == 1
+    assert node.exit_code() == 1
     assert "Connection to Arduino lost" in node.output
     assert "Traceback" not in node.output
 
@@ -131,14 +131,14 @@ def test_a_device_that_never_answers_ends_the_node_with_an_error(start: Start, d
     node = start("robot.serial_node", device.path, "__name:=Robot18")
     until(lambda: device.topic_requests >= 3, 10, "topics asked for again and again")
     device.send(b"not rosserial at all\xff\xfe" * 5)
-    assert node.process.wait(30) == 1
+    assert node.exit_code(30) == 1
     assert "no answer to the topic request" in node.output
     assert "stray bytes" in node.output
 
 
 def test_a_missing_device_is_an_error_of_one_line(start: Start, tmp_path: Path) -> None:
     node = start("robot.serial_node", str(tmp_path / "nothing"), "__name:=Robot19")
-    assert node.process.wait(10) == 1
+    assert node.exit_code() == 1
     assert "cannot open" in node.output
     assert "Traceback" not in node.output
 
@@ -146,7 +146,7 @@ def test_a_missing_device_is_an_error_of_one_line(start: Start, tmp_path: Path) 
 def test_a_port_that_is_in_use_is_refused(start: Start, device: Device) -> None:
     serve(start, device.path, 20)
     second = start("robot.serial_node", device.path, "__name:=Robot21")
-    assert second.process.wait(10) == 1
+    assert second.exit_code() == 1
     assert "cannot open" in second.output
 
 
@@ -174,7 +174,7 @@ def test_no_command_follows_what_stops_the_device(start: Start, device: Device) 
 def test_an_absent_ros_master_is_an_error_of_one_line(device: Device, ros_master: RosMaster) -> None:
     env = {**ros_master.env, "ROS_MASTER_URI": f"http://127.0.0.1:{free_port()}"}
     node = Program.python("robot.serial_node", device.path, "__name:=Robot23", env=env)
-    assert node.process.wait(10) == 1
+    assert node.exit_code() == 1
     assert "does not answer" in node.output
     assert "Traceback" not in node.output
 
@@ -190,7 +190,7 @@ def test_so_is_one_that_falls_silent_meanwhile(device: Device) -> None:
         env = {"ROS_MASTER_URI": f"http://127.0.0.1:{master.server_address[1]}"}
         node = Program.python("robot.serial_node", device.path, "__name:=Robot34", env=env)
         try:
-            assert node.process.wait(10) == 1
+            assert node.exit_code() == 1
         finally:
             node.kill()
             silent.set()
@@ -246,7 +246,7 @@ def test_a_restarted_ros_master_ends_the_node(device: Device, tmp_path: Path) ->
         node.wait_for("/command")
         master.stop()
         master.start()
-        assert node.process.wait(15) == 1
+        assert node.exit_code() == 1
         assert "ROS master was restarted" in node.output
     finally:
         node.kill()
@@ -258,7 +258,7 @@ def test_a_node_whose_name_is_taken_ends(start: Start, device: Device, tmp_path:
     node = serve(start, device.path, 25)
     with Device(tmp_path / "ttyACM1") as other:
         serve(start, other.path, 25)
-        assert node.process.wait(10) == 1
+        assert node.exit_code() == 1
         assert "another node has taken" in node.output
 
 
@@ -311,20 +311,20 @@ def test_the_uart_may_be_on_tcp(start: Start) -> None:
         uart.sendall(encode(1, COMMAND.encode()))
         publish(start, "/Robot29/command", "1 0 0")
         assert uart.recv(11) == FORWARD
-    assert node.process.wait(10) == 1
+    assert node.exit_code() == 1
     assert "Connection to Arduino lost" in node.output
 
 
 def test_a_killed_supervisor_ends_the_node(device: Device, ros_master: RosMaster) -> None:
     # Program gives it an empty stdin, as a pipe is whose writer was killed
     node = Program.python("robot.serial_node", device.path, "--end-with-stdin", "__name:=Robot30", env=ros_master.env)
-    assert node.process.wait(10) == 1
+    assert node.exit_code() == 1
     assert "the program that started this node is gone" in node.output
 
 
 @pytest.mark.parametrize("device_url", ["socket://127.0.0.1", "nonsense://x", "socket://127.0.0.1:notaport"])
 def test_a_bad_url_is_an_error_of_one_line(start: Start, device_url: str) -> None:
     node = start("robot.serial_node", device_url)
-    assert node.process.wait(10) == 1
+    assert node.exit_code() == 1
     assert "cannot open" in node.output
     assert "Traceback" not in node.output

@@ -19,7 +19,7 @@ from robot.rosserial.topic_info import TopicInfo
 from robot.serial.device_topics import serialised
 from tests.integration.robot.conftest import Start, serve
 from tests.integration.robot.device import COMMAND, EMPTY, RESPONSE, ROBOT_MSG, Device
-from tests.support.polling import LATEST, until
+from tests.support.polling import until
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
 
@@ -56,7 +56,7 @@ def test_roslaunch_may_have_set_the_port_and_a_bad_speed_is_told(
     master.call("setParam", "/Robot41/port", device.path)
     master.call("setParam", "/Robot41/baud", "fast")
     node = start("robot.serial_node", "__name:=Robot41")
-    assert node.process.wait(20) == 1
+    assert node.exit_code() == 1
     assert "~baud is 'fast': it must be a positive whole number" in node.output
     master.call("setParam", "/Robot41/baud", 57600)
     start("robot.serial_node", "__name:=Robot41").wait_for(f"/Robot41 serves {device.path}")
@@ -169,7 +169,7 @@ def test_a_device_with_10000_topics_is_refused_at_once(start: Start, tmp_path: P
     many = tuple(TopicInfo(200 + number, f"t{number}", *EMPTY, 280) for number in range(10_000))
     with Device(tmp_path / "tty", publishers=many) as device:
         node = start("robot.serial_node", device.path, "__name:=Robot48")
-        assert node.process.wait(20) == 1
+        assert node.exit_code() == 1
         assert f"the device tells more than {MAX_TOPICS} topics" in node.output
 
 
@@ -214,7 +214,7 @@ def test_our_firmware_that_is_mute_is_noticed_within_5_s(start: Start, tmp_path:
         node = serve(start, device.path, 51)
         node.wait_for("board (laser_bot_battle/BoardHealth) joined")
         device.answers = False
-        assert node.process.wait(LATEST) == 1
+        assert node.exit_code() == 1
         assert "no time request for 5 s and no answer to the topic request" in node.output
 
 

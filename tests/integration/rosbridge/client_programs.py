@@ -9,7 +9,7 @@ from tests.support.programs import Program
 def told_by(program: Program) -> dict[str, Any]:
     """All that a client program has told, after its successful end."""
     try:
-        code = program.process.wait(60)
+        code = program.exit_code(60)
     finally:
         program.kill()
     assert code == 0, program.output

@@ -11,7 +11,7 @@ __all__ = ["lab"]
 def test_the_python_example_runs(lab: Lab) -> None:
     example = Program([sys.executable, "-c", lab.example("python")])
     try:
-        assert example.process.wait(30) == 0, example.output
+        assert example.exit_code(30) == 0, example.output
     finally:
         example.kill()
     assert "'/game_status'" in example.output

@@ -232,7 +232,7 @@ def test_it_ends_with_rosbridge(own_master: RosMaster, topic: str, end: signal.S
         process = encoder_of(own)
         assert process is not None
         own.program.process.send_signal(end)
-        own.program.process.wait(10)
+        own.program.exit_code()
         process.wait(5)
 
 

@@ -117,7 +117,7 @@ def test_roslibpys_own_suite_passes(port: str, rosout: None, transport: str, tmp
     command = [sys.executable, "-m", "pytest", "-c", "/dev/null", "--rootdir", str(tmp_path), str(tmp_path), "-q"]
     program = Program([*command, "-p", "no:cacheprovider"], {"ROSLIBPY_TRANSPORT": transport})
     try:
-        assert program.process.wait(200) == 0, program.output
+        assert program.exit_code(200) == 0, program.output
     finally:
         program.kill()
     assert re.search(r"^2\d passed in", program.output, re.MULTILINE), "none was left out"

@@ -85,7 +85,7 @@ def test_it_listens_where_the_programs_do(tmp_path: Path, bind: str, listens: li
 def test_an_address_that_is_none_is_one_clear_line() -> None:
     program = Program.python("server.front", env={"LASERBOT_BIND": "a..b"})
     program.wait_for("cannot listen on a..b: that is no host's name; set LASERBOT_BIND")
-    assert program.process.wait(10) == 1
+    assert program.exit_code() == 1
     assert "Traceback" not in program.output
 
 

@@ -68,7 +68,7 @@ def test_a_port_in_use_is_one_clear_line(launch):
         other.listen()
         port = other.getsockname()[1]
         server = launch(LASERBOT_WEB_PORT=str(port))
-        assert server.program.process.wait(10) == 1
+        assert server.program.exit_code() == 1
     lines = server.program.output.splitlines()
     assert len(lines) == 1
     assert f"cannot listen on 127.0.0.1 port {port}" in lines[0]
@@ -77,7 +77,7 @@ def test_a_port_in_use_is_one_clear_line(launch):
 
 def test_an_impossible_setting_is_one_clear_line(launch):
     server = launch(LASERBOT_COUNTDOWN="soon")
-    assert server.program.process.wait(10) == 2
+    assert server.program.exit_code() == 2
     assert server.program.output.splitlines() == [
         "server.main: LASERBOT_COUNTDOWN=soon: must be a number from 0.1 to 3600"
     ]
@@ -85,17 +85,17 @@ def test_an_impossible_setting_is_one_clear_line(launch):
 
 def test_help_is_given_without_a_master():
     program = Program.python("server.main", "--help", env={"PYTHONPATH": ".:build/python"})
-    assert program.process.wait(10) == 0
+    assert program.exit_code() == 0
     assert "game server" in program.output
 
 
 def test_arguments_of_roslaunch_are_no_error_and_others_are():
     env = {"PYTHONPATH": ".:build/python", "LASERBOT_COUNTDOWN": "x"}
     launched = Program.python("server.main", "__name:=robots_server", "__log:=/dev/null", env=env)
-    assert launched.process.wait(10) == 2
+    assert launched.exit_code() == 2
     assert "LASERBOT_COUNTDOWN=x" in launched.output
     wrong = Program.python("server.main", "--nonsense", env=env)
-    assert wrong.process.wait(10) == 2
+    assert wrong.exit_code() == 2
     assert "--nonsense" in wrong.output
 
 

@@ -95,7 +95,7 @@ def test_it_ends_with_the_game_server_however_that_ends(server: GameServer) -> N
         until(lambda: status(server, "/") == 200, 5)
         pages = pages_of(server)
         server.program.process.send_signal(end)
-        server.program.process.wait(10)
+        server.program.exit_code()
         pages.wait(5)
         server.launch()
         server.wait_until_serving()

@@ -129,20 +129,20 @@ def test_a_port_in_use_is_one_clear_line(arena: Arena, variable: str) -> None:
         other.listen()
         port = other.getsockname()[1]
         program = Program.python("sim.arena", env={**free_of(arena), variable: str(port)})
-        assert program.process.wait(10) == 1
+        assert program.exit_code() == 1
     (line,) = program.output.splitlines()
     assert line.startswith("arena: cannot listen") and str(port) in line
 
 
 def test_an_impossible_setting_is_one_clear_line() -> None:
     program = Program.python("sim.arena", env={"LASERBOT_ARENA_PORT": "eighty"})
-    assert program.process.wait(10) == 2
+    assert program.exit_code() == 2
     assert program.output == "arena: LASERBOT_ARENA_PORT=eighty: must be a whole number from 1 to 65535\n"
 
 
 def test_help_lists_the_variables() -> None:
     program = Program.python("sim.arena", "--help")
-    assert program.process.wait(10) == 0
+    assert program.exit_code() == 0
     assert "LASERBOT_ARENA_LINK_PORT" in program.output
 
 

@@ -258,7 +258,7 @@ def test_the_painter_ends_with_the_arena(new_arena: Callable[..., Arena], signum
             stream.taken()
             (painter,) = painters(arena)
             os.kill(arena.program.process.pid, signum)  # and not its group
-            arena.program.process.wait(10)
+            arena.program.exit_code()
             with contextlib.suppress(psutil.NoSuchProcess):
                 painter.wait(10)
     assert not painter.is_running()

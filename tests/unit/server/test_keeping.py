@@ -229,7 +229,7 @@ def test_the_daily_program_makes_up_for_what_it_has_missed_and_ends(keep, url: U
         until(alive.exists, 10, "a sign of life")
         (made,) = keeping.backups(folder, LATER)
         program.process.send_signal(signal.SIGTERM)
-        assert program.process.wait(10) == 0
+        assert program.exit_code() == 0
     finally:
         program.stop()
     assert keeping.backups(folder, LATER) == [made]
