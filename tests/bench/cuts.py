@@ -1,7 +1,8 @@
-"""Cuts the power of a Raspberry Pi in QEMU at random moments while it starts: `python3 -m tests.bench.cuts`.
+"""Cuts the power of a robot with a card at random moments: `python3 -m tests.bench.cuts`. QEMU emulates it.
 
-Each new card is cut a few times in a row, first in its first start, which has most to lose. Then it is left alone, and
-must come to the robot's program. There is a row for each cut, and one for each card that came back.
+Each new card is cut a few times in a row: in its first start, in starts after that, and at last while its master gives
+it an update. Then it is left alone and must come back: with an Arduino at its USB, it must be one of its master's
+robots, drive, and get the update. There is a row for each cut, and two for each card.
 """
 
 import argparse
@@ -13,14 +14,16 @@ import time
 from pathlib import Path
 
 from tests.cards.conftest import built
+from tests.cards.hall import SERIAL_PORT, Hall, given_version
+from tests.support.lan import Lan
 from tests.support.polling import until
-from tests.support.raspberry_pi import RaspberryPi, put_card_file
+from tests.support.raspberry_pi import STAND_IN, RaspberryPi, arduino, put_card_file
 
-FIRST, LATER = 900.0, 240.0  # s after the plug: the latest cut of a card's first start, and of the ones after it
-READY = 1800.0  # s of a quiet machine from the login to the robot's program
-PLAYS = "no arena announces itself"  # what the program says in a network without one
-ANEW = "card: making "  # what the card's first program says when it makes the state
-LOG = "sudo journalctl --boot -t laserbot-robot"
+# s after the plug, the latest cut: of a card's first start, of one after it, of one in which an update comes
+FIRST, LATER, UPDATING = 600.0, 180.0, 600.0
+READY = 1800.0  # s of a quiet machine until it has come back
+VERSION = "9.9.9"
+ANEW = "card: making "  # what the card's first program says when it makes something
 
 
 def main() -> None:
@@ -33,30 +36,41 @@ def main() -> None:
     chance = random.Random(arguments.seed)
     image = built("robot")
     for number in range(arguments.cards):
-        with tempfile.TemporaryDirectory(prefix="laserbot-cuts-") as folder:
-            moments = [chance.uniform(0, LATER if earlier else FIRST) for earlier in range(arguments.cuts)]
-            try_card(f"card {number + 1}", image, Path(folder), moments)
+        later = [chance.uniform(0, LATER) for _ in range(arguments.cuts - 2)]
+        moments = [chance.uniform(0, FIRST), *later, chance.uniform(0, UPDATING)][: arguments.cuts]
+        with tempfile.TemporaryDirectory(prefix="laserbot-cuts-") as folder, Lan() as lan:
+            try_card(f"card {number + 1}", image, Path(folder), lan, moments)
     print(f"{arguments.cards * arguments.cuts} cuts of {arguments.cards} cards: each came back")
 
 
-def try_card(name: str, image: Path, folder: Path, moments: list[float]) -> None:
-    """AssertionError if the card does not come back. `moments` in s."""
+def try_card(name: str, image: Path, folder: Path, lan: Lan, moments: list[float]) -> None:
+    """AssertionError if the card does not come back. `moments` in s, the last one's while an update is there."""
     key, card = folder / "key", folder / "card.img"
     subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", key], check=True)
     shutil.copy(image, card)
     put_card_file(card, "laserbot.txt", f"ssh_key = {key.with_suffix('.pub').read_text()}".encode())
-    pi = RaspberryPi(folder, card, key)
-    for moment in moments:
+    hall = Hall(lan, folder)
+    usb = ["-device", "qemu-xhci", *arduino(SERIAL_PORT)]
+    pi = RaspberryPi(folder, card, key, hall.cable, usb=usb, board=STAND_IN)
+
+    def cut(moment: float) -> None:
         with pi.on():
             time.sleep(moment)
-        said = pi.screen()
-        made = "   state made" if ANEW in said else ""
-        print(f"{name}: cut after {moment:5.1f} s{made}   {said.splitlines()[-1][:80] if said else ''}", flush=True)
-    began = time.monotonic()
-    with pi.on():
-        until(lambda: PLAYS in pi.run(LOG), READY, "the robot's program runs")
-        made = "   state made anew" if ANEW in pi.screen() else ""
-        print(f"{name}: back after {time.monotonic() - began:5.1f} s{made}", flush=True)
+        said = pi.screen().splitlines()
+        made = [line.partition(ANEW)[2] for line in said if ANEW in line]
+        print(f"{name}: cut after {moment:5.1f} s   made {made}   {said[-1][:80] if said else ''}", flush=True)
+
+    for moment in moments[:-1]:
+        cut(moment)
+    with hall.master(0) as master, hall.update(VERSION), hall.uno() as uno:
+        cut(moments[-1])
+        began = time.monotonic()
+        with pi.on():
+            hall.drives(master, uno)
+            print(f"{name}: drives after {time.monotonic() - began:5.1f} s", flush=True)
+            until(lambda: given_version(pi) == VERSION, READY, "it runs the update")
+            hall.drives(master, uno)
+            print(f"{name}: drives with the update after {time.monotonic() - began:5.1f} s", flush=True)
 
 
 if __name__ == "__main__":

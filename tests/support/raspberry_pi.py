@@ -1,12 +1,16 @@
-"""A whole Raspberry Pi 3 in QEMU, with a card in its slot, a network, and perhaps an Arduino at its USB."""
+"""A whole Raspberry Pi 3 in QEMU, with a card in its slot, a network, and perhaps an Arduino at its USB. Or another
+computer of the kind, which is emulated at twice the speed."""
 
+import gzip
 import json
+import lzma
 import os
 import subprocess
+import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from tests.support.lan import Machine
 from tests.support.polling import until
@@ -29,6 +33,24 @@ def put_card_file(image: Path, name: str, content: bytes) -> None:
 def _mtools(program: str, image: Path, *arguments: str, content: bytes = b"") -> bytes:
     command = [program, "-i", f"{image}@@{FIRST_PARTITION}", *arguments]
     return subprocess.run(command, input=content, stdout=subprocess.PIPE, check=True).stdout
+
+
+def disk_driver(image: Path) -> bytes:
+    """What the stand-in needs behind the card's initramfs: the kernel lays one over the other."""
+    with tempfile.TemporaryDirectory() as folder:
+        modules = Path(folder, "modules")
+        modules.mkdir()
+        first = ["cpio", "--quiet", "--extract", "--to-stdout", "modules/order"]
+        order = subprocess.run(
+            first, input=gzip.decompress(card_file(image, "initrd")), stdout=subprocess.PIPE, check=True
+        )
+        (modules / "order").write_bytes(order.stdout + b"virtio_blk.ko\n")
+        driver = _unsquashfs(image, "-cat", "usr/lib/modules/*/kernel/drivers/block/virtio_blk.ko.xz")
+        (modules / "virtio_blk.ko").write_bytes(lzma.decompress(driver))
+        names = b"modules\nmodules/order\nmodules/virtio_blk.ko\n"
+        second = ["cpio", "--quiet", "--create", "--format=newc"]
+        made = subprocess.run(second, input=names, cwd=folder, stdout=subprocess.PIPE, check=True)
+        return gzip.compress(made.stdout)
 
 
 class Network(Protocol):
@@ -78,11 +100,45 @@ def arduino(port: int) -> list[str]:
     return ["-chardev", chardev, "-device", "usb-serial,chardev=arduino"]
 
 
+class Board(NamedTuple):
+    """What QEMU emulates."""
+
+    machine: tuple[str, ...]
+    card: tuple[str, ...]  # {} is its file
+    network_card: str
+    settings: str  # for the kernel
+    tree: str = ""  # the file on the card that describes it to the kernel
+
+
+PI_3 = Board(
+    ("-M", "raspi3b", "-m", "1G"),
+    ("-drive", "if=sd,format=raw,file={}"),
+    "usb-net",
+    # QEMU's watchdog resets the Pi as soon as it is started; its network card is busy while a wrong driver tries it
+    "systemd.watchdog_sec=off modprobe.blacklist=cdc_subset",
+    "bcm2837-rpi-3-b.dtb",
+)
+# has nothing of a Raspberry Pi but its processor, and runs what is on its cards: a driver of its disk is laid over them
+STAND_IN = Board(
+    ("-M", "virt", "-cpu", "cortex-a53", "-smp", "4", "-m", "2G"),
+    ("-drive", "if=none,id=card,format=raw,file={}", "-device", "virtio-blk-pci,drive=card"),
+    "virtio-net-pci",
+    "",
+)
+
+
 class RaspberryPi:
     """One that can be switched on and off as often as one likes. It keeps what it writes to its card."""
 
     def __init__(
-        self, folder: Path, card: Path, key: Path, network: Network | None = None, usb: Sequence[str] = ()
+        self,
+        folder: Path,
+        card: Path,
+        key: Path,
+        network: Network | None = None,
+        *,
+        usb: Sequence[str] = (),
+        board: Board = PI_3,
     ) -> None:
         """`card`: an image of its own, which grows to SIZE. `key`: the private SSH key that opens it. `usb`: QEMU's
         words for what is plugged in."""
@@ -91,26 +147,30 @@ class RaspberryPi:
         # raw, as what was written to another format may be lost when the emulator is killed
         self._card = card
         os.truncate(card, SIZE)
-        for name in ("vmlinuz", "initrd", "bcm2837-rpi-3-b.dtb"):  # what the Pi's own firmware would load
-            (folder / name).write_bytes(card_file(card, name))
+        # what the Pi's own firmware would load
+        (folder / "vmlinuz").write_bytes(card_file(card, "vmlinuz"))
+        (folder / "initrd").write_bytes(card_file(card, "initrd") + (b"" if board.tree else disk_driver(card)))
+        self._boot = ["-kernel", str(folder / "vmlinuz"), "-initrd", str(folder / "initrd")]
+        if board.tree:
+            (folder / board.tree).write_bytes(card_file(card, board.tree))
+            self._boot += ["-dtb", str(folder / board.tree)]
         self._words = card_file(card, "cmdline.txt").decode().strip()
         self._network = network or Port()
         self._screen = folder / "serial.log"
         self._usb = usb
+        self._board = board
 
     @contextmanager
     def on(self) -> Iterator[None]:
         """Until the plug is pulled, at the end."""
-        kernel, initrd, dtb = (self._folder / name for name in ("vmlinuz", "initrd", "bcm2837-rpi-3-b.dtb"))
-        boot = ["-kernel", str(kernel), "-initrd", str(initrd), "-dtb", str(dtb)]
-        # QEMU's watchdog resets the Pi as soon as it is started; its network card is busy while a wrong driver tries it
-        emulated = "console=ttyAMA0,115200 systemd.watchdog_sec=off modprobe.blacklist=cdc_subset"
-        words = ["-append", f"{self._words} {emulated}"]
-        disk = ["-drive", f"if=sd,format=raw,file={self._card}"]
-        lan = ["-netdev", f"{self._network.netdev},id=lan", "-device", "usb-net,netdev=lan,mac=52:54:00:1a:5e:b0"]
+        board = self._board
+        words = ["-append", f"{self._words} console=ttyAMA0,115200 {board.settings}"]
+        disk = [word.format(self._card) for word in board.card]
+        network_card = f"{board.network_card},netdev=lan,mac=52:54:00:1a:5e:b0"
+        lan = ["-netdev", f"{self._network.netdev},id=lan", "-device", network_card]
         screen = ["-display", "none", "-serial", f"file:{self._screen}", "-monitor", "none"]
-        machine = ["qemu-system-aarch64", "-M", "raspi3b", "-m", "1G", "-no-reboot"]
-        command = self._network.command(*machine, *boot, *words, *disk, *lan, *self._usb, *screen)
+        machine = ["qemu-system-aarch64", *board.machine, "-no-reboot"]
+        command = self._network.command(*machine, *self._boot, *words, *disk, *lan, *self._usb, *screen)
         self._pi = subprocess.Popen(command, stdin=subprocess.DEVNULL)
         try:
             yield
@@ -148,19 +208,19 @@ class RaspberryPi:
 
 def system_file(image: Path, name: str) -> str:
     """A file of a card's second partition."""
-    return _unsquashfs(image, "-cat", name)
+    return _unsquashfs(image, "-cat", name).decode()
 
 
 def system_folder(image: Path, name: str) -> list[str]:
     """The files in a folder of a card's second partition, by name."""
-    listed = _unsquashfs(image, "-l", name).splitlines()
+    listed = _unsquashfs(image, "-l", name).decode().splitlines()
     return sorted(line.rpartition("/")[2] for line in listed if f"/{name}/" in line)
 
 
-def _unsquashfs(image: Path, how: str, name: str) -> str:
+def _unsquashfs(image: Path, how: str, name: str) -> bytes:
     start = int(str(partitions(image)[1]["start"])) * 512
     command = ["unsquashfs", "-o", str(start), how, str(image), name]
-    return subprocess.run(command, stdout=subprocess.PIPE, check=True, text=True).stdout
+    return subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout
 
 
 def partitions(image: Path) -> list[dict[str, object]]:

@@ -1,0 +1,122 @@
+"""A hall around a Raspberry Pi in QEMU: masters, the Arduino at its USB, light that falls on it, and updates."""
+
+import contextlib
+import json
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from cards import archive
+from cards.files import STATE
+from cards.follow import PORT
+from tests.integration.discovery.master import LanMaster
+from tests.support.avr import AVR_ROBOT, FIRMWARE, build
+from tests.support.lan import Lan
+from tests.support.polling import until
+from tests.support.programs import ROOT, Program
+from tests.support.raspberry_pi import Cable, RaspberryPi
+
+SERIAL_PORT, LIGHT_PORT = 8082, 8083  # where the Pi's cable is
+FLASHES = f"""
+from socket import create_server
+from time import sleep
+
+robot, _ = create_server(("127.0.0.1", {LIGHT_PORT})).accept()
+while True:
+    for light in (1, 0):
+        robot.sendall(f"light {{light}}\\n".encode())
+        sleep(1)
+"""
+
+
+class Hall:
+    """A network in which nobody gives addresses, with two machines for masters, and a cable for the Pi."""
+
+    def __init__(self, lan: Lan, folder: Path) -> None:
+        build()
+        self._folder = folder
+        self._masters = [lan.machine(), lan.machine()]
+        for number, machine in enumerate(self._masters):
+            machine.ip("addr", "flush", "dev", "eth0", "scope", "global")
+            machine.ip("addr", "add", f"{address(number)}/16", "dev", "eth0")
+        self._beside = lan.machine()
+        self.cable = Cable(self._beside)
+
+    def master(self, number: int) -> LanMaster:
+        """Of an arena of its own. `number`: 0 or 1."""
+        return LanMaster(self._masters[number], f"arena{number}", self._folder)
+
+    @contextlib.contextmanager
+    def uno(self) -> Iterator[Program]:
+        """An Arduino that is plugged in."""
+        ports = ("--tcp", str(SERIAL_PORT), "--arena", f"127.0.0.1:{LIGHT_PORT}")
+        uno = self._beside.program(AVR_ROBOT, "--firmware", FIRMWARE, "--name", "virtual0", *ports, "--trace")
+        try:
+            uno.wait_for("UART at")
+            yield uno
+        finally:
+            uno.kill()
+
+    def drives(self, master: LanMaster, uno: Program) -> None:
+        """Wait until the robot is that master's, and its wheels turn as they are told."""
+        master.has_robot(1800)
+        left, right = position(uno, "left"), position(uno, "right")
+        driver = self._peer(master, "publish", "/Robot0/command", "0.025", "100000", "1", "0", "0")
+        try:
+            until(lambda: position(uno, "left") < left - 100 and position(uno, "right") > right + 100, 600, "it drives")
+        finally:
+            driver.kill()
+
+    def is_hit(self, master: LanMaster) -> None:
+        """Wait until light that falls on it is told to that master."""
+        listener = self._peer(master, "listen", "/Robot0/response")
+        lamp = self._beside.program(sys.executable, "-c", FLASHES)
+        try:
+            until(lambda: "message from" in listener.output, 300, "it is hit")
+        finally:
+            listener.kill()
+            lamp.kill()
+
+    @contextlib.contextmanager
+    def update(self, version: str) -> Iterator[None]:
+        """What the first master gives to robots, as one from a card: a version with another container of the same
+        image."""
+        new, served = self._folder / version / "robot", self._folder / f"served-{version}"
+        shutil.copytree(ROOT / "build/cards/update/robot", new)
+        description = new / "containers" / "robot.json"
+        container = json.loads(description.read_text())
+        container["Env"].append(f"UPDATE={version}")
+        description.write_text(json.dumps(container))
+        archive.write(version, new.parent, self._folder / f"{version}.update")
+        served.mkdir()
+        subprocess.run(["tar", "-xf", self._folder / f"{version}.update", "-C", served], check=True)
+        server = self._masters[0].program(sys.executable, "-m", "http.server", str(PORT), "--directory", served)
+        try:
+            yield
+        finally:
+            server.kill()
+
+    def _peer(self, master: LanMaster, *words: str) -> Program:
+        own = address(self._masters.index(master.machine))
+        ros = {"ROS_MASTER_URI": f"http://{own}:11311", "ROS_IP": own}
+        return master.machine.python("tests.integration.robot.peers", *words, env=ros)
+
+
+def address(number: int) -> str:
+    """Of that master, such as hosts give themselves."""
+    return f"169.254.9.{number + 1}"
+
+
+def given_version(pi: RaspberryPi) -> str:
+    """That the card runs; "" while it is the one that it was made with and no other was tried."""
+    found = pi.run(f"cat {STATE}/state.json 2>/dev/null || echo {{}}")
+    return str(json.loads(found).get("current", ""))
+
+
+def position(uno: Program, wheel: str) -> int:
+    """The wheel's, in half-steps, as the coils have moved it."""
+    found = re.findall(rf"coil {wheel} (-?\d+)\n", uno.output)
+    return int(found[-1]) if found else 0
