@@ -17,6 +17,7 @@ from tests.support.polling import until
 from tests.support.ports import free_port
 
 FIRST_PARTITION = 8192 * 512  # bytes
+MAC = "40:54:00:1a:5e:b0"  # at USB, QEMU has none that begins otherwise
 SIZE = 4 << 30  # bytes of a card; QEMU asks for a power of two
 START = 900.0  # s of a quiet machine until it can be logged in to; 145 were measured
 
@@ -81,7 +82,7 @@ class Cable:
     def __init__(self, machine: Machine) -> None:
         self._machine = machine
         self.netdev = "tap,ifname=port,script=no,downscript=no"
-        # what every host makes of its network card's own address, which QEMU begins with 40
+        # what every host makes of its network card's own address
         self.target = ["pi@fe80::4254:ff:fe1a:5eb0%switch"]
         machine.ip("addr", "flush", "dev", "eth0", "scope", "global")
         machine.ip("link", "add", "switch", "type", "bridge", "mcast_snooping", "0")
@@ -166,7 +167,7 @@ class RaspberryPi:
         board = self._board
         words = ["-append", f"{self._words} console=ttyAMA0,115200 {board.settings}"]
         disk = [word.format(self._card) for word in board.card]
-        network_card = f"{board.network_card},netdev=lan,mac=52:54:00:1a:5e:b0"
+        network_card = f"{board.network_card},netdev=lan,mac={MAC}"
         lan = ["-netdev", f"{self._network.netdev},id=lan", "-device", network_card]
         screen = ["-display", "none", "-serial", f"file:{self._screen}", "-monitor", "none"]
         machine = ["qemu-system-aarch64", *board.machine, "-no-reboot"]
