@@ -121,7 +121,8 @@ PI_3 = Board(
 )
 # has nothing of a Raspberry Pi but its processor, and runs what is on its cards: a driver of its disk is laid over them
 STAND_IN = Board(
-    ("-M", "virt", "-cpu", "cortex-a53", "-smp", "4", "-m", "2G"),
+    # with more processors than there are, they wait for one another
+    ("-M", "virt", "-cpu", "cortex-a53", "-smp", str(min(4, len(os.sched_getaffinity(0)))), "-m", "2G"),
     ("-drive", "if=none,id=card,format=raw,file={}", "-device", "virtio-blk-pci,drive=card"),
     "virtio-net-pci",
     "",
