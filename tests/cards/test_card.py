@@ -31,8 +31,8 @@ from tests.support.raspberry_pi import (
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(7200)]
 
 ENVIRONMENT = "sudo docker inspect --format '{{range .Config.Env}}{{println .}}{{end}}' laserbot-robot"
-# An emulated engine needs longer for a look at a container's health than there is between two.
-SELDOM = r"""
+# In an emulator, a health check takes longer than the time until the next one.
+RARE_HEALTH_CHECKS = r"""
 sudo sed -i -E 's/"(Start)?Interval": ?[0-9]+/"\1Interval": 3600000000000/' /opt/laserbot-card/containers/*.json
 sudo systemctl restart --no-block laserbot-containers
 """
@@ -137,7 +137,7 @@ def test_a_masters_card_serves_the_game_and_announces_it(master_image: Path, key
         assert pi.run("hostname") == "laser-bot-master\n"
         told = pi.run("sudo cat /boot/firmware/laserbot-errors.txt")
         assert told == "laserbot.txt, line 4: name = raspberrypi7: is for a robot's card only\n"
-        pi.run(SELDOM)
+        pi.run(RARE_HEALTH_CHECKS)
         wait_for_the_containers(pi)
         running = pi.run("sudo docker ps --format '{{.Names}}'").split()
         assert sorted(running) == sorted(service["name"] for service in MASTER)

@@ -1,5 +1,5 @@
-"""A whole Raspberry Pi 3 in QEMU, with a card in its slot, a network, and perhaps an Arduino at its USB. Or another
-computer of the kind, which is emulated at twice the speed."""
+"""A whole Raspberry Pi 3 in QEMU, with a card in its slot, a network, and perhaps an Arduino at its USB. Or a
+machine with nothing of a Pi but its processor, which is emulated twice as fast."""
 
 import gzip
 import json
@@ -36,22 +36,21 @@ def _mtools(program: str, image: Path, *arguments: str, content: bytes = b"") ->
     return subprocess.run(command, input=content, stdout=subprocess.PIPE, check=True).stdout
 
 
-def disk_driver(image: Path) -> bytes:
-    """What the stand-in needs behind the card's initramfs: the kernel lays one over the other."""
+def _with_driver(image: Path, driver: str) -> bytes:
+    """A card's initramfs, and behind it an archive with one more driver: the kernel lays one over the other."""
+    initrd, name = card_file(image, "initrd"), Path(driver).name
     with tempfile.TemporaryDirectory() as folder:
         modules = Path(folder, "modules")
         modules.mkdir()
-        first = ["cpio", "--quiet", "--extract", "--to-stdout", "modules/order"]
-        order = subprocess.run(
-            first, input=gzip.decompress(card_file(image, "initrd")), stdout=subprocess.PIPE, check=True
-        )
-        (modules / "order").write_bytes(order.stdout + b"virtio_blk.ko\n")
-        driver = _unsquashfs(image, "-cat", "usr/lib/modules/*/kernel/drivers/block/virtio_blk.ko.xz")
-        (modules / "virtio_blk.ko").write_bytes(lzma.decompress(driver))
-        names = b"modules\nmodules/order\nmodules/virtio_blk.ko\n"
-        second = ["cpio", "--quiet", "--create", "--format=newc"]
-        made = subprocess.run(second, input=names, cwd=folder, stdout=subprocess.PIPE, check=True)
-        return gzip.compress(made.stdout)
+        read = ["cpio", "--quiet", "--extract", "--to-stdout", "modules/order"]
+        order = subprocess.run(read, input=gzip.decompress(initrd), stdout=subprocess.PIPE, check=True).stdout
+        (modules / "order").write_bytes(order + f"{name}.ko\n".encode())
+        packed = _unsquashfs(image, "-cat", f"usr/lib/modules/*/kernel/drivers/{driver}.ko.xz")
+        (modules / f"{name}.ko").write_bytes(lzma.decompress(packed))
+        write = ["cpio", "--quiet", "--create", "--format=newc"]
+        names = f"modules\nmodules/order\nmodules/{name}.ko\n".encode()
+        archive = subprocess.run(write, input=names, cwd=folder, stdout=subprocess.PIPE, check=True).stdout
+    return initrd + gzip.compress(archive)
 
 
 class Network(Protocol):
@@ -107,8 +106,9 @@ class Board(NamedTuple):
     machine: tuple[str, ...]
     card: tuple[str, ...]  # {} is its file
     network_card: str
-    settings: str  # for the kernel
+    settings: str = ""  # for the kernel
     tree: str = ""  # the file on the card that describes it to the kernel
+    driver: str = ""  # of its disk, if the card's initramfs has none
 
 
 PI_3 = Board(
@@ -119,13 +119,12 @@ PI_3 = Board(
     "systemd.watchdog_sec=off modprobe.blacklist=cdc_subset",
     "bcm2837-rpi-3-b.dtb",
 )
-# has nothing of a Raspberry Pi but its processor, and runs what is on its cards: a driver of its disk is laid over them
 STAND_IN = Board(
     # with more processors than there are, they wait for one another
     ("-M", "virt", "-cpu", "cortex-a53", "-smp", str(min(4, len(os.sched_getaffinity(0)))), "-m", "2G"),
     ("-drive", "if=none,id=card,format=raw,file={}", "-device", "virtio-blk-pci,drive=card"),
     "virtio-net-pci",
-    "",
+    driver="block/virtio_blk",
 )
 
 
@@ -151,7 +150,8 @@ class RaspberryPi:
         os.truncate(card, SIZE)
         # what the Pi's own firmware would load
         (folder / "vmlinuz").write_bytes(card_file(card, "vmlinuz"))
-        (folder / "initrd").write_bytes(card_file(card, "initrd") + (b"" if board.tree else disk_driver(card)))
+        initrd = _with_driver(card, board.driver) if board.driver else card_file(card, "initrd")
+        (folder / "initrd").write_bytes(initrd)
         self._boot = ["-kernel", str(folder / "vmlinuz"), "-initrd", str(folder / "initrd")]
         if board.tree:
             (folder / board.tree).write_bytes(card_file(card, board.tree))
