@@ -17,7 +17,6 @@ import pytest
 import requests
 from playwright.sync_api import Browser, expect
 from websockets.exceptions import InvalidStatus
-from websockets.sync.client import connect
 
 from server.front.configuration import FILES_AT_ONCE, RATE
 from tests.browser.conftest import FLAGS
@@ -27,6 +26,7 @@ from tests.support.player import Player
 from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
+from tests.support.sockets import connect
 
 
 @pytest.fixture

@@ -5,7 +5,6 @@ import time
 from collections.abc import Iterator
 
 import requests
-from websockets.sync.client import connect
 
 from fleet import Machine
 from tests.support.play import shoot_to_the_end, start
@@ -13,6 +12,7 @@ from tests.support.player import Eyes
 from tests.support.polling import until
 from tests.support.rehearsal import Rehearsal
 from tests.support.roslib_player import RoslibPlayer
+from tests.support.sockets import connect
 
 
 def test_two_players_with_roslib_play_a_battle_to_its_end(rehearsal: Rehearsal) -> None:

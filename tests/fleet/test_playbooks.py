@@ -7,7 +7,6 @@ import tarfile
 from pathlib import Path
 
 import pytest
-from websockets.sync.client import connect
 
 from fleet import Machine
 from tests.support.card import packages, settings
@@ -17,6 +16,7 @@ from tests.support.player import Eyes, Player
 from tests.support.polling import until
 from tests.support.programs import ROOT
 from tests.support.rehearsal import SSH, Rehearsal, copy_into, outside, power_off, power_on
+from tests.support.sockets import connect
 
 pytestmark = pytest.mark.slow
 

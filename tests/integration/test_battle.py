@@ -10,7 +10,6 @@ from urllib.parse import urlsplit
 
 import pytest
 import requests
-from websockets.sync.client import connect
 
 from laser_bot_battle.master import Master
 from laser_bot_battle.names import command_topic
@@ -18,6 +17,7 @@ from tests.support.demo import TOKEN, Demo
 from tests.support.play import PLAYING, hunt_down, obeys, reconnect, shoot_to_the_end, stands_still, start
 from tests.support.player import Eyes, Player
 from tests.support.polling import until
+from tests.support.sockets import connect
 
 
 @pytest.fixture

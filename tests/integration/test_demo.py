@@ -11,7 +11,6 @@ import socket
 import pytest
 import requests
 from websockets.exceptions import WebSocketException
-from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
 from tests.support.battle import PORTS, Battle
@@ -22,6 +21,7 @@ from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.processes import command_line, descendants
 from tests.support.programs import ROOT, Program
+from tests.support.sockets import connect
 
 
 def run_demo(*words: str, **variables: str) -> Program:

@@ -6,10 +6,9 @@ import re
 from pathlib import Path
 from typing import Any, Self
 
-from websockets.sync.client import connect
-
 from tests.support.polling import LATEST
 from tests.support.programs import Program
+from tests.support.sockets import connect
 
 KEYS = {"Enter": "\ue007", "ArrowUp": "\ue013", "ArrowLeft": "\ue012"}  # as WebDriver names them
 WIDTH, HEIGHT = 1280, 800

@@ -10,12 +10,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any, Protocol
 
 import requests
-from websockets.sync.client import connect
 
 from laser_bot_battle.geometry import Pose, bearing, wrap
 from server.bots.mind import Mind, Skill
 from server.bots.paths import Paths
 from tests.support.polling import AGAIN, LATEST, until
+from tests.support.sockets import connect
 
 SWEEP = math.radians(30)  # off the prey: the light is on
 MERCILESS = Skill(mercy=0, reaction=0, aim_error=0, reload=(0, 0), rest=(0, 0), roam_chance=0)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self
 
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
 
 from laser_bot_battle import listening
 from laser_bot_battle.listening import Listener
@@ -17,6 +17,7 @@ from server.websocket.connection import Connection
 from server.websocket.frames import frame
 from server.websocket.limits import Limits, SocketOwner, owner_of
 from server.websocket.server import WebSocketServer
+from tests.support.sockets import connect
 
 LoopFactory = Callable[[], asyncio.AbstractEventLoop]
 NOTHING: Mapping[str, str] = {}

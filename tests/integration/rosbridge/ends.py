@@ -15,10 +15,11 @@ from types import TracebackType
 from typing import Any, Self
 
 import cbor2
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
 
 from tests.support.polling import until
 from tests.support.programs import ROOT
+from tests.support.sockets import connect
 
 FORWARD = {"linear_x": 1, "angular_z": 0, "shoot": False}
 NEUTRAL = {"linear_x": 0, "angular_z": 0, "shoot": False}

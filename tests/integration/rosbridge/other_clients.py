@@ -4,7 +4,9 @@ import json
 from dataclasses import dataclass, field
 from typing import Any
 
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
+
+from tests.support.sockets import connect
 
 MOST = 2**31 - 1  # C#'s int.MaxValue, by which ros-sharp says that it wants no fragments
 QUIET = {"compression": "none", "fragment_size": MOST}

@@ -10,8 +10,10 @@ import sys
 from typing import Any
 
 import requests
-from websockets.sync.client import ClientConnection, connect
+from websockets.sync.client import ClientConnection
 from websockets.typing import Origin, Subprotocol
+
+from tests.support.sockets import connect
 
 PROXY = "127.0.0.1"
 NAME = "arena.example"

@@ -7,12 +7,11 @@ import struct
 from types import TracebackType
 from typing import Any, Self
 
-from websockets.sync.client import connect
-
 from laser_bot_battle.geometry import METRES_PER_HALF_STEP, TRACK
 from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
+from tests.support.sockets import connect
 
 HOST = "127.0.0.1"
 CHUNK = 4000  # half-steps in one report

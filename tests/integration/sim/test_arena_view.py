@@ -10,7 +10,6 @@ from itertools import pairwise
 import pytest
 import requests
 from websockets.exceptions import InvalidStatus
-from websockets.sync.client import connect
 
 from laser_bot_battle.openings import OF_ADDRESS
 from laser_bot_battle.proxies import FORWARDED
@@ -19,6 +18,7 @@ from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
+from tests.support.sockets import connect
 
 
 def test_a_viewer_gets_the_arena_and_then_its_states(arena: Arena) -> None:

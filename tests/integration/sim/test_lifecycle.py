@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 from websockets.exceptions import WebSocketException
-from websockets.sync.client import connect
 
 from tests.integration.sim.arena import HOST
 from tests.support.polling import AGAIN, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
+from tests.support.sockets import connect
 
 PORTS = ("LASERBOT_WEB_PORT", "LASERBOT_ARENA_PORT", "LASERBOT_ARENA_LINK_PORT")
 

@@ -7,13 +7,13 @@ from contextlib import ExitStack, contextmanager
 import pytest
 import requests
 from websockets.exceptions import InvalidStatus
-from websockets.sync.client import connect
 
 from laser_bot_battle.openings import MOST, OF_ADDRESS
 from laser_bot_battle.proxies import FORWARDED
 from sim.arena.visits import OF_ONE
 from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.support.polling import LATEST
+from tests.support.sockets import connect
 
 REQUEST = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
 FROM = "127.0.0.2"  # where no proxy is
