@@ -192,7 +192,7 @@ def test_who_sends_too_much_waits_for_his_turn(front: Front) -> None:
     ask = f"HEAD {style} HTTP/1.1\r\nHost: localhost\r\n"
     count = FILES_AT_ONCE + 2 * RATE
     began = time.monotonic()
-    with socket.create_connection(("127.0.0.1", front.http_port), timeout=20) as hasty:
+    with socket.create_connection(("127.0.0.1", front.http_port), timeout=LATEST) as hasty:
         hasty.sendall((f"{ask}\r\n" * (count - 1) + f"{ask}Connection: close\r\n\r\n").encode())
         codes = re.findall(rb"HTTP/1.1 (\d+)", hasty.makefile("rb").read())
     assert codes == [b"200"] * count
@@ -200,7 +200,7 @@ def test_who_sends_too_much_waits_for_his_turn(front: Front) -> None:
 
 
 def test_a_visitor_who_sends_nothing_is_cut(front: Front) -> None:
-    with socket.create_connection(("127.0.0.1", front.http_port), timeout=15) as slow:
+    with socket.create_connection(("127.0.0.1", front.http_port), timeout=LATEST) as slow:
         slow.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: ")
         with suppress(ConnectionResetError):
             assert slow.recv(1000) == b""

@@ -14,7 +14,7 @@ from tests.browser.axe import Looks
 from tests.browser.people import Person
 from tests.support.demo import TOKEN, Demo
 from tests.support.fake_camera import FakeCamera, part_of
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.programs import Program
 
 FLOOR = "duel"  # the demo's
@@ -35,7 +35,7 @@ def battle(demo: Demo) -> Demo:
 def above(battle: Demo) -> FakeCamera:
     """A camera above the floor that sees all as it is now; nobody drives here."""
     camera = FakeCamera(rate=15)
-    snapshot = requests.get(f"http://127.0.0.1:{battle.arena_port}/overhead/snapshot", timeout=30).content
+    snapshot = requests.get(f"http://127.0.0.1:{battle.arena_port}/overhead/snapshot", timeout=LATEST).content
     camera.part = lambda each, _: part_of(each, snapshot)
     return camera
 

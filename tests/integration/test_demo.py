@@ -55,7 +55,7 @@ def test_a_signal_stops_everything_and_leaves_no_process(sig: signal.Signals) ->
         with connect(battle.bridge) as bridge:  # rosbridge has the same token
             become_operator(bridge, battle, token)
             bridge.send(json.dumps({"op": "call_service", "service": "/rosapi/get_time"}))
-            assert json.loads(bridge.recv(timeout=10))["result"] is True
+            assert json.loads(bridge.recv(timeout=LATEST))["result"] is True
         until(lambda: players_and_free_robots(battle) == ([("Bot1", 1)], 1), 10, "one robot is a person's")
         below = descendants(battle.program.process.pid)
         assert len(below) > 8
@@ -147,7 +147,7 @@ def test_with_a_camera_above_robots_have_the_places_that_it_sees_and_a_bot_drive
         bridge.send(json.dumps({"op": "subscribe", "topic": "/positions", "type": "laser_bot_battle/Positions"}))
 
         def places() -> dict[int, tuple[float, float]]:
-            robots = json.loads(bridge.recv(timeout=30))["msg"]["robots"]
+            robots = json.loads(bridge.recv(timeout=LATEST))["msg"]["robots"]
             return {robot["robot"]: (robot["x"], robot["y"]) for robot in robots}
 
         until(lambda: len(places()) == 2, 30, "both robots have places")

@@ -17,7 +17,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from laser_bot_battle.names import WATCHED
 from tests.support.battle import Battle, Paused
 from tests.support.documents import page, table
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import ROOT, Program
 from tests.support.viewer import Viewer
@@ -55,7 +55,7 @@ class Watched(NamedTuple):
     port: int
 
     def get(self, program: str, path: str) -> requests.Response:
-        return requests.get(f"http://127.0.0.1:{self.port + WATCHED.index(program)}{path}", timeout=30)
+        return requests.get(f"http://127.0.0.1:{self.port + WATCHED.index(program)}{path}", timeout=LATEST)
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,7 @@ def watched() -> Iterator[Watched]:
 def test_programs_can_be_watched_at_either_address_of_localhost(watched: Watched) -> None:
     for number in range(len(PLAYED)):
         for address in ("127.0.0.1", "[::1]"):
-            assert requests.get(f"http://{address}:{watched.port + number}/healthz", timeout=30).text == "ok\n"
+            assert requests.get(f"http://{address}:{watched.port + number}/healthz", timeout=LATEST).text == "ok\n"
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +97,7 @@ def prometheus(watched: Watched, tmp_path_factory: pytest.TempPathFactory) -> It
             def ask(query: str) -> list[Any]:
                 viewer.next()  # or it would be taken for dead
                 url = f"http://127.0.0.1:{own}/api/v1/query"
-                answer = requests.get(url, params={"query": query}, timeout=10).json()
+                answer = requests.get(url, params={"query": query}, timeout=LATEST).json()
                 assert answer["status"] == "success", answer
                 return list(answer["data"]["result"])
 

@@ -20,6 +20,7 @@ from tests.support.crds import is_custom, problems
 from tests.support.documents import kubernetes_pages
 from tests.support.imagefile import dockerfile, version
 from tests.support.manifests import Kubelet, Manifests, Object, overlay
+from tests.support.polling import LATEST
 from tests.support.ports import free_port
 from tests.support.program_settings import ProgramSettings
 from tests.support.programs import ROOT, Program
@@ -137,9 +138,9 @@ def test_prometheus_runs_by_its_command_and_asks_the_master(tmp_path: Path) -> N
     try:
         program.wait_for("Server is ready")
         ask = f"http://127.0.0.1:{port}/api/v1"
-        rules = requests.get(f"{ask}/rules", timeout=10).json()["data"]["groups"]
+        rules = requests.get(f"{ask}/rules", timeout=LATEST).json()["data"]["groups"]
         assert [group["name"] for group in rules] == ["laserbot"]
-        config = yaml.safe_load(requests.get(f"{ask}/status/config", timeout=10).json()["data"]["yaml"])
+        config = yaml.safe_load(requests.get(f"{ask}/status/config", timeout=LATEST).json()["data"]["yaml"])
         (job,) = config["scrape_configs"]
         asked = {each["labels"]["program"]: each["targets"] for each in job["static_configs"]}
         assert asked == {name: [f"10.43.0.9:{number}"] for name, (_, number) in told(manifests).items()}

@@ -27,7 +27,7 @@ from tests.integration.rosbridge.ends import COMMAND_TYPE, FORWARD, RosSide
 from tests.support.documents import page, table
 from tests.support.fake_camera import FakeCamera, with_headers
 from tests.support.overhead_camera import Floor, OverheadCamera, grey_picture, jpeg_of
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
@@ -79,7 +79,7 @@ class Hall:
         return (self.side.heard(OVERHEAD_STATUS) or [{}])[-1]
 
     def get(self, path: str) -> str:
-        return requests.get(f"http://127.0.0.1:{self.metrics}{path}", timeout=10).text
+        return requests.get(f"http://127.0.0.1:{self.metrics}{path}", timeout=LATEST).text
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ import requests
 from laser_bot_battle.master import Master
 from robot.camera.settings import NO_CAMERA, find_libcamera
 from tests.integration.robot.device import Device
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 from tests.support.ros import RosMaster
@@ -65,7 +65,7 @@ def stand_in(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def answer(url: str) -> requests.Response:
-    return requests.get(url, timeout=10)
+    return requests.get(url, timeout=LATEST)
 
 
 def test_without_a_camera_the_picture_says_so() -> None:
@@ -80,7 +80,7 @@ def test_without_a_camera_the_picture_says_so() -> None:
 def test_a_stream_is_ustreamers_own_and_says_that_the_camera_is_away() -> None:
     with camera(LASERBOT_CAMERA="/dev/no-such-camera") as (_, address):
         until(lambda: answer(f"{address}/snapshot").status_code == 200, 20, "ustreamer")
-        with requests.get(f"{address}/stream?extra_headers=1", stream=True, timeout=10) as stream:
+        with requests.get(f"{address}/stream?extra_headers=1", stream=True, timeout=LATEST) as stream:
             assert stream.headers["Content-Type"].startswith("multipart/x-mixed-replace")
             head = stream.raw.read(600)
     assert b"X-Timestamp: " in head
@@ -123,7 +123,7 @@ def test_a_missing_library_is_named() -> None:
 def test_pictures_pass_and_nobody_looks_when_the_master_has_left() -> None:
     with camera(LASERBOT_CAMERA="/dev/video0") as (program, address):
         program.wait_for("ARGUMENTS")
-        with requests.get(f"{address}/stream?extra_headers=1", stream=True, timeout=10) as stream:
+        with requests.get(f"{address}/stream?extra_headers=1", stream=True, timeout=LATEST) as stream:
             assert stream.raw.read(100_000) == b"picture " * 12_500
         program.wait_for("ASKED /stream?extra_headers=1")
         program.wait_for("GONE")
@@ -176,7 +176,7 @@ def test_the_program_ends_with_ustreamer_and_ustreamer_with_the_program() -> Non
     with camera(LASERBOT_CAMERA="/dev/video0") as (program, address):
         program.wait_for("ARGUMENTS")
         (child,) = psutil.Process(program.process.pid).children()
-        with requests.get(f"{address}/stream", stream=True, timeout=10) as stream:
+        with requests.get(f"{address}/stream", stream=True, timeout=LATEST) as stream:
             stream.raw.read(1000)
             assert program.stop() == 0
         until(lambda: not psutil.pid_exists(child.pid), 10, "the end of ustreamer")

@@ -6,6 +6,7 @@ from typing import Any
 
 from websockets.sync.client import ClientConnection
 
+from tests.support.polling import LATEST
 from tests.support.sockets import connect
 
 MOST = 2**31 - 1  # C#'s int.MaxValue, by which ros-sharp says that it wants no fragments
@@ -65,6 +66,6 @@ class Speaker:
 
     def hear(self, op: str) -> dict[str, Any]:
         """The next operation of that kind."""
-        while (heard := json.loads(self.socket.recv(timeout=10)))["op"] != op:
+        while (heard := json.loads(self.socket.recv(timeout=LATEST)))["op"] != op:
             assert heard["op"] != "status", heard
         return dict(heard)

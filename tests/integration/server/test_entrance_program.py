@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 import requests
 
-from tests.support.polling import until
+from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
 
@@ -60,7 +60,7 @@ def test_it_tells_which_arenas_answer_and_ends_in_order(arena: Server, tmp_path:
         program.wait_for("the entrance to 2 arenas is at")
 
         def states() -> dict[str, str]:
-            told = requests.get(f"http://127.0.0.1:{port}/arenas.json", timeout=10).json()
+            told = requests.get(f"http://127.0.0.1:{port}/arenas.json", timeout=LATEST).json()
             return {one["name"]: one["state"] for one in told["arenas"]}
 
         until(lambda: states() == {"red": "stopped", "blue": "away"}, 20, "the arena that answers is heard")

@@ -19,7 +19,7 @@ def pages_of(server: GameServer) -> psutil.Process:
 
 
 def status(server: GameServer, path: str) -> int:
-    return requests.get(f"{server.url}{path}", timeout=20).status_code
+    return requests.get(f"{server.url}{path}", timeout=LATEST).status_code
 
 
 def test_pages_are_made_in_a_process_that_stands_behind_the_game(server: GameServer) -> None:

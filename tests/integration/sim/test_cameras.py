@@ -128,7 +128,7 @@ def test_nothing_is_painted_while_nobody_looks(arena: Arena) -> None:
 @pytest.mark.usefixtures("robot")
 def test_a_page_gets_no_pictures(arena: Arena, path: str, headers: dict[str, str]) -> None:
     """Nor whoever types the address: the relay knows who may see what."""
-    answer = requests.get(f"{arena.page}eyes/virtual1/{path}", headers=headers, timeout=20)
+    answer = requests.get(f"{arena.page}eyes/virtual1/{path}", headers=headers, timeout=LATEST)
     assert answer.status_code == 403
     assert "relay" in answer.text
     assert painters(arena) == []

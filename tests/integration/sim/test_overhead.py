@@ -16,6 +16,7 @@ from sim.arena.cameras.pages import OVERHEAD_RATE
 from tests.integration.sim.arena import Arena, Hardware
 from tests.integration.sim.stream import Stream
 from tests.support.floors import BATTLE_FLOOR
+from tests.support.polling import LATEST
 
 
 def tags(jpeg: bytes) -> set[int]:
@@ -37,7 +38,7 @@ def test_its_stream_shows_the_floor_and_the_robots(new_arena: Callable[..., Aren
 
 
 def test_anybody_may_see_the_whole_floor(arena: Arena) -> None:
-    answer = requests.get(f"{arena.page}overhead/snapshot", headers={"Accept-Encoding": "gzip"}, timeout=20)
+    answer = requests.get(f"{arena.page}overhead/snapshot", headers={"Accept-Encoding": "gzip"}, timeout=LATEST)
     assert answer.headers["Content-Type"] == "image/jpeg"
     assert "Content-Encoding" not in answer.headers  # it is compressed already
     assert Image.open(io.BytesIO(answer.content)).size == (1280, 720)
