@@ -200,7 +200,7 @@ def test_who_sends_too_much_waits_for_his_turn(front: Front) -> None:
 
 
 def test_a_visitor_who_sends_nothing_is_cut(front: Front) -> None:
-    with socket.create_connection(("127.0.0.1", front.http_port), timeout=LATEST) as slow:
+    with socket.create_connection(("127.0.0.1", front.http_port), timeout=15) as slow:  # nginx's own patience is 60 s
         slow.sendall(b"GET / HTTP/1.1\r\nHost: localhost\r\nX-Slow: ")
         with suppress(ConnectionResetError):
             assert slow.recv(1000) == b""

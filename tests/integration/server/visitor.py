@@ -13,6 +13,7 @@ import requests
 from websockets.sync.client import ClientConnection
 from websockets.typing import Origin, Subprotocol
 
+from tests.support.polling import LATEST
 from tests.support.sockets import connect
 
 PROXY = "127.0.0.1"
@@ -26,9 +27,9 @@ def main() -> None:
     with requests.Session() as http:
         http.headers.update({"Host": NAME, **FORGED})
         form = http.post(
-            f"http://{PROXY}/signUpUser", {"data": name, "wait": "1"}, headers={"Origin": origin}, timeout=9
+            f"http://{PROXY}/signUpUser", {"data": name, "wait": "1"}, headers={"Origin": origin}, timeout=LATEST
         )
-        screen = http.get(f"http://{PROXY}/watch", timeout=9).text
+        screen = http.get(f"http://{PROXY}/watch", timeout=LATEST).text
     found = {
         "form": form.status_code,
         "cookie": "laserbot_session" in form.cookies,

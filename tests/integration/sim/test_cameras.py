@@ -44,7 +44,7 @@ def painters(arena: Arena) -> list[psutil.Process]:
 
 def get(arena: Arena, path: str, **headers: str) -> requests.Response:
     """The answer to the relay; of one that is a stream only the head: it has no end."""
-    with requests.get(arena.page + path, headers={**AS_THE_RELAY, **headers}, timeout=20, stream=True) as answer:
+    with requests.get(arena.page + path, headers={**AS_THE_RELAY, **headers}, timeout=LATEST, stream=True) as answer:
         if not answer.headers["Content-Type"].startswith("multipart/"):
             assert answer.content
         return answer
