@@ -21,6 +21,7 @@ from tests.support.raspberry_pi import (
     RaspberryPi,
     arduino,
     card_file,
+    first_partition,
     partitions,
     put_card_file,
     system_file,
@@ -38,7 +39,7 @@ sudo systemctl restart --no-block laserbot-containers
 """
 WHY = "systemctl --failed --no-legend; sudo journalctl --no-pager --lines 40 --unit docker --unit laserbot-containers"
 MASTER = yaml.safe_load((ROOT / "ansible/roles/master/vars/main.yml").read_text())["master_services"]
-TOKEN = "correct horse battery staple"
+TOKEN, PASSWORD = "correct horse battery staple", "a secret of the hall"
 SIGN_IN = f"""python3 -c '
 from urllib.request import *
 form = b"token={TOKEN}"
@@ -64,8 +65,12 @@ def of(image: Path, folder: Path, *settings: str) -> Path:
     """A card of one's own with these lines in its laserbot.txt."""
     card = folder / "card.img"
     shutil.copy(image, card)
-    put_card_file(card, "laserbot.txt", "\r\n".join([*settings, ""]).encode())
+    say(card, *settings)
     return card
+
+
+def say(card: Path, *settings: str) -> None:
+    put_card_file(card, "laserbot.txt", "\r\n".join([*settings, ""]).encode())
 
 
 def test_a_robots_card_has_all_that_it_needs(robot_image: Path) -> None:
@@ -96,7 +101,8 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
 ) -> None:
     public = key.with_suffix(".pub").read_text().strip()
     settings = ("name = raspberrypi7", "time zone = Europe/Berlin", "role = both", f"ssh key = {public}")
-    pi = RaspberryPi(tmp_path, of(robot_image, tmp_path, *settings), key)
+    card = of(robot_image, tmp_path, *settings)
+    pi = RaspberryPi(tmp_path, card, key)
     with pi.on():
         assert pi.run("hostname; date +%Z").split()[0] == "raspberrypi7"
         assert pi.run("readlink /etc/localtime") == "/usr/share/zoneinfo/Europe/Berlin\n"
@@ -110,13 +116,18 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
         assert size > 3000
         first_start = pi.run("cat /etc/machine-id; sudo cat /etc/ssh/ssh_host_ed25519_key.pub")
         pi.run("echo kept | sudo tee /etc/kept && sync")
+    wifi = ("country = DE", "wifi = hall", f"wifi_password = {PASSWORD}")
+    say(card, "name = raspberrypi7", f"ssh_key = {public}", *wifi, "secrets = move")
     with pi.on():
+        assert f'psk="{PASSWORD}"' in pi.run("sudo cat /etc/wpa_supplicant/wpa_supplicant-wlan0.conf")
         assert pi.run("cat /etc/machine-id; sudo cat /etc/ssh/ssh_host_ed25519_key.pub") == first_start
         assert pi.run("cat /etc/kept") == "kept\n"
         assert "card: making" not in pi.screen()
         wait_for_the_robot(pi)
         # as a cut leaves it while an image is loaded
         pi.run("sudo touch /var/lib/laserbot-card/engine-unsound && sync")
+    assert b"# wifi_password: moved\r\n" in card_file(card, "laserbot.txt")
+    assert PASSWORD.encode() not in first_partition(card)
     with pi.on():
         wait_for_the_robot(pi)
         assert "card: making the engine's files anew" in pi.screen()

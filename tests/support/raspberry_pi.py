@@ -31,6 +31,13 @@ def put_card_file(image: Path, name: str, content: bytes) -> None:
     _mtools("mcopy", image, "-o", "-", f"::{name}", content=content)
 
 
+def first_partition(image: Path) -> bytes:
+    """All of a card's first partition, also what no file there has any more."""
+    with image.open("rb") as card:
+        card.seek(FIRST_PARTITION)
+        return card.read(int(str(partitions(image)[0]["size"])) * 512)
+
+
 def _mtools(program: str, image: Path, *arguments: str, content: bytes = b"") -> bytes:
     command = [program, "-i", f"{image}@@{FIRST_PARTITION}", *arguments]
     return subprocess.run(command, input=content, stdout=subprocess.PIPE, check=True).stdout
