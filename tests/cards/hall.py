@@ -14,7 +14,7 @@ from cards.files import STATE
 from cards.follow import PORT
 from tests.integration.discovery.master import LanMaster
 from tests.support.avr import AVR_ROBOT, FIRMWARE, build
-from tests.support.lan import Lan
+from tests.support.lan import Lan, Machine
 from tests.support.polling import until
 from tests.support.programs import ROOT, Program
 from tests.support.raspberry_pi import Cable, RaspberryPi
@@ -40,8 +40,7 @@ class Hall:
         self._folder = folder
         self._masters = [lan.machine(), lan.machine()]
         for number, machine in enumerate(self._masters):
-            machine.ip("addr", "flush", "dev", "eth0", "scope", "global")
-            machine.ip("addr", "add", f"{address(number)}/16", "dev", "eth0")
+            give_itself_an_address(machine, number)
         self._beside = lan.machine()
         self.cable = Cable(self._beside)
 
@@ -105,8 +104,14 @@ class Hall:
         return master.machine.python("tests.integration.robot.peers", *words, env=ros)
 
 
+def give_itself_an_address(machine: Machine, number: int) -> None:
+    """As hosts do in a network in which nobody gives any."""
+    machine.ip("addr", "flush", "dev", "eth0", "scope", "global")
+    machine.ip("addr", "add", f"{address(number)}/16", "dev", "eth0")
+
+
 def address(number: int) -> str:
-    """Of that master, such as hosts give themselves."""
+    """Of the machine with that number, such as hosts give themselves."""
     return f"169.254.9.{number + 1}"
 
 

@@ -11,13 +11,15 @@ import yaml
 
 from cards.laserbot_txt import render
 from laser_bot_battle.names import VERSION
-from tests.cards.hall import SERIAL_PORT, Hall, given_version
+from tests.cards.hall import SERIAL_PORT, Hall, give_itself_an_address, given_version, position
+from tests.integration.discovery.robot import LanRobot
 from tests.support.lan import Lan, needs_root
 from tests.support.polling import until
 from tests.support.programs import ROOT
 from tests.support.raspberry_pi import (
     FIRST_PARTITION,
     STAND_IN,
+    Cable,
     RaspberryPi,
     arduino,
     card_file,
@@ -140,48 +142,87 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
         wait_for_the_robot(pi)
 
 
+@needs_root
 def test_a_masters_card_serves_the_game_and_announces_it(master_image: Path, key: Path, tmp_path: Path) -> None:
+    """Virtual robots find it in its network, and a player drives one of them."""
     public = key.with_suffix(".pub").read_text().strip()
     settings = ("arena = hall", f"operator_token = {TOKEN}", f"ssh_key = {public}", "name = raspberrypi7")
-    pi = RaspberryPi(tmp_path, of(master_image, tmp_path, *settings), key, board=STAND_IN)
-    with pi.on():
-        assert pi.run("hostname") == "laser-bot-master\n"
-        told = pi.run("sudo cat /boot/firmware/laserbot-errors.txt")
-        assert told == "laserbot.txt, line 4: name = raspberrypi7: is for a robot's card only\n"
-        pi.run(RARE_HEALTH_CHECKS)
-        wait_for_the_containers(pi)
-        running = pi.run("sudo docker ps --format '{{.Names}}'").split()
-        assert sorted(running) == sorted(service["name"] for service in MASTER)
-        announced = "sudo journalctl --boot -t laserbot-announcer"
-        until(lambda: "arena 'hall' is announced" in pi.run(announced), 1800, "it announces itself")
-        signed_in = "http://localhost/operator\n"
-        until(lambda: pi.run(f"{SIGN_IN} 2>/dev/null || true") == signed_in, 1800, "the operator can sign in")
+    with Lan() as lan:
+        cable = Cable(lan.machine())
+        pi = RaspberryPi(tmp_path, of(master_image, tmp_path, *settings), key, cable, board=STAND_IN)
+        with pi.on():
+            serves(pi)
+            drives_robots_beside_it(lan, tmp_path)
+
+
+def drives_robots_beside_it(lan: Lan, folder: Path) -> None:
+    """Wait until virtual robots have found the arena, and one of them turns as a player says."""
+    *beside, players = (lan.machine() for _ in range(3))
+    for number, machine in enumerate([*beside, players]):
+        give_itself_an_address(machine, number)
+    first, second = (LanRobot(machine, folder, LASERBOT_ROBOT_NAME=f"beside-{machine.pid}") for machine in beside)
+    with first, second:
+        for robot in first, second:
+            robot.wait_for("/command", 600)
+        (found,) = set(re.findall(r"arena 'hall' at ([0-9.]+), announced", first.output + second.output))
+        guest = players.python("tests.cards.guest", found)
+        try:
+            guest.wait_for("turns robot", 600)
+            until(lambda: any(abs(position(robot.uno, "left")) > 100 for robot in (first, second)), 300, "one turns")
+        finally:
+            guest.kill()
+
+
+def serves(pi: RaspberryPi) -> None:
+    """Wait until a master's card does all that it can do alone."""
+    assert pi.run("hostname") == "laser-bot-master\n"
+    told = pi.run("sudo cat /boot/firmware/laserbot-errors.txt")
+    assert told == "laserbot.txt, line 4: name = raspberrypi7: is for a robot's card only\n"
+    pi.run(RARE_HEALTH_CHECKS)
+    wait_for_the_containers(pi)
+    running = pi.run("sudo docker ps --format '{{.Names}}'").split()
+    assert sorted(running) == sorted(service["name"] for service in MASTER)
+    announced = "sudo journalctl --boot -t laserbot-announcer"
+    until(lambda: "arena 'hall' is announced" in pi.run(announced), 1800, "it announces itself")
+    signed_in = "http://localhost/operator\n"
+    until(lambda: pi.run(f"{SIGN_IN} 2>/dev/null || true") == signed_in, 1800, "the operator can sign in")
 
 
 @needs_root
 def test_a_robots_card_plays_with_the_firmware_and_a_master(robot_image: Path, key: Path, tmp_path: Path) -> None:
     """A whole Raspberry Pi, the Arduino's real firmware at its USB, in a network in which nobody gives addresses.
 
-    It plays on after a power cut, with another Arduino, of another version, and with another master.
+    It plays on after a power cut with another Arduino, of another version, and with another master.
     """
-    card = of(robot_image, tmp_path, f"ssh_key = {key.with_suffix('.pub').read_text().strip()}")
     with Lan() as lan:
         hall = Hall(lan, tmp_path)
+        card = of(robot_image, tmp_path, f"ssh_key = {key.with_suffix('.pub').read_text().strip()}")
         pi = RaspberryPi(tmp_path, card, key, hall.cable, usb=arduino(SERIAL_PORT))
-        with hall.uno() as uno, hall.master(0) as master:
-            with pi.on():
+        with hall.master(0) as master:
+            with hall.uno() as uno, pi.on():
                 wait_for_the_containers(pi)
                 hall.drives(master, uno)
                 hall.is_hit(master)
-            with pi.on():
-                hall.drives(master, uno)
-                uno.kill()
-                with hall.uno() as another:
-                    hall.drives(master, another)
-                    with hall.update("9.9.9"):
-                        until(lambda: given_version(pi) == "9.9.9", 3000, "it runs the update")
-                    assert "UPDATE=9.9.9\n" in pi.run(ENVIRONMENT)
-                    hall.drives(master, another)
-                    master.kill()
-                    with hall.master(1) as other:
-                        hall.drives(other, another)
+            with hall.uno() as another, pi.on():
+                hall.drives(master, another)
+                with hall.update("9.9.9"):
+                    until(lambda: given_version(pi) == "9.9.9", 3000, "it runs the update")
+                assert "UPDATE=9.9.9\n" in pi.run(ENVIRONMENT)
+                hall.drives(master, another)
+                master.kill()
+                with hall.master(1) as other:
+                    hall.drives(other, another)
+
+
+@needs_root
+def test_an_arduino_is_pulled_from_a_running_robot_and_put_back(robot_image: Path, key: Path, tmp_path: Path) -> None:
+    """Not on the emulated Pi: QEMU's USB controller of a Pi ends QEMU when something in use is pulled."""
+    with Lan() as lan:
+        hall = Hall(lan, tmp_path)
+        card = of(robot_image, tmp_path)
+        usb = ["-device", "qemu-xhci", *arduino(SERIAL_PORT)]
+        pi = RaspberryPi(tmp_path, card, key, hall.cable, usb=usb, board=STAND_IN)
+        with hall.master(0) as master, pi.on():
+            for _ in range(3):
+                with hall.uno() as uno:
+                    hall.drives(master, uno)

@@ -16,7 +16,8 @@ class LanRobot:
         device = folder / f"ttyACM-{machine.pid}"
         self.machine = machine
         simulator, firmware = ROOT / "build/sim/avr_robot", ROOT / "build/firmware/laserbot.elf"
-        self._arduino = map(str, [simulator, "--firmware", firmware, "--name", "virtual0", "--serial", device])
+        words = ["--firmware", firmware, "--name", "virtual0", "--serial", device, "--trace"]
+        self._arduino = map(str, [simulator, *words])
         self._env = {
             **NOTHING_GIVEN,
             "LASERBOT_SERIAL": str(device),
@@ -28,8 +29,8 @@ class LanRobot:
         }
 
     def __enter__(self) -> "LanRobot":
-        self._uno = self.machine.program(*self._arduino)
-        self._uno.wait_for("UART at")
+        self.uno = self.machine.program(*self._arduino)
+        self.uno.wait_for("UART at")
         self.program = self.machine.python("robot.id_service_client", env=self._env)
         return self
 
@@ -40,7 +41,7 @@ class LanRobot:
             assert "Traceback" not in self.output, self.output
         finally:
             self.program.kill()
-            self._uno.kill()
+            self.uno.kill()
 
     @property
     def output(self) -> str:
