@@ -45,8 +45,8 @@ class Hall:
         self.cable = Cable(self._beside)
 
     def master(self, number: int) -> LanMaster:
-        """Of an arena of its own. `number`: 0 or 1."""
-        return LanMaster(self._masters[number], f"arena{number}", self._folder)
+        """Both are of the same arena: the one takes the other's place. `number`: 0 or 1."""
+        return LanMaster(self._masters[number], "hall", self._folder / f"master{number}")
 
     @contextlib.contextmanager
     def uno(self) -> Iterator[Program]:
