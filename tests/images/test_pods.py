@@ -7,7 +7,6 @@ import subprocess
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import pytest
 import requests
@@ -15,7 +14,7 @@ import requests
 from tests.support.documents import kubernetes_pages
 from tests.support.manifests import Manifests, customized, overlay
 from tests.support.play import PLAYING, a_bot_waits, shoot_to_the_end
-from tests.support.player import Eyes, Player
+from tests.support.player import Eyes, Front, Player
 from tests.support.pods import ClusterBattle, Pod, free_node_ports, merged
 from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
@@ -74,17 +73,9 @@ def test_a_person_plays_against_the_bot_to_the_end(battle: ClusterBattle) -> Non
         assert min(result.values()) == 0
 
 
-class OneAddress(NamedTuple):
-    """The battle behind its front, a place to play at."""
-
-    web: str
-    bridge: str
-    view: str
-
-
 def test_the_front_is_the_one_address_of_it_all(battle: ClusterBattle) -> None:
     host = f"127.0.0.1:{battle.node_ports['http']}"
-    place = OneAddress(f"http://{host}", f"ws://{host}/rosbridge", battle.view)
+    place = Front(host, battle.view)
     with Player(place, "Cleo") as cleo, Eyes(place) as eyes:
         until(lambda: cleo.user().get("robot") in eyes.robots(), 10, "rosbridge answers there")
 

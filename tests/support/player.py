@@ -7,7 +7,7 @@ import random
 import threading
 import time
 from collections.abc import Iterator, Mapping
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import requests
 
@@ -32,6 +32,21 @@ class Place(Protocol):
 
     @property
     def view(self) -> str: ...
+
+
+class Front(NamedTuple):
+    """A place to play at behind its front, which has one address for everything but an arena's view."""
+
+    host: str
+    view: str = ""
+
+    @property
+    def web(self) -> str:
+        return f"http://{self.host}"
+
+    @property
+    def bridge(self) -> str:
+        return f"ws://{self.host}/rosbridge"
 
 
 class Bridge(Protocol):
