@@ -50,8 +50,7 @@ def try_card(name: str, image: Path, folder: Path, lan: Lan, moments: list[float
     shutil.copy(image, card)
     put_card_file(card, "laserbot.txt", f"ssh_key = {key.with_suffix('.pub').read_text()}".encode())
     hall = Hall(lan, folder)
-    usb = ["-device", "qemu-xhci", *arduino(SERIAL_PORT)]
-    pi = RaspberryPi(folder, card, key, hall.cable, usb=usb, board=STAND_IN)
+    pi = RaspberryPi(folder, card, key, hall.cable, usb=arduino(SERIAL_PORT), board=STAND_IN)
 
     def cut(moment: float) -> None:
         with pi.on():

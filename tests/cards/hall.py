@@ -40,7 +40,7 @@ class Hall:
         self._folder = folder
         self._masters = [lan.machine(), lan.machine()]
         for number, machine in enumerate(self._masters):
-            give_itself_an_address(machine, number)
+            use_link_local_address(machine, number)
         self._beside = lan.machine()
         self.cable = Cable(self._beside)
 
@@ -104,7 +104,7 @@ class Hall:
         return master.machine.python("tests.integration.robot.peers", *words, env=ros)
 
 
-def give_itself_an_address(machine: Machine, number: int) -> None:
+def use_link_local_address(machine: Machine, number: int) -> None:
     """As hosts do in a network in which nobody gives any."""
     machine.ip("addr", "flush", "dev", "eth0", "scope", "global")
     machine.ip("addr", "add", f"{address(number)}/16", "dev", "eth0")

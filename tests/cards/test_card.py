@@ -11,8 +11,9 @@ import yaml
 
 from cards.laserbot_txt import render
 from laser_bot_battle.names import VERSION
-from tests.cards.hall import SERIAL_PORT, Hall, give_itself_an_address, given_version, position
+from tests.cards.hall import SERIAL_PORT, Hall, given_version, position, use_link_local_address
 from tests.integration.discovery.robot import LanRobot
+from tests.support.avr import build
 from tests.support.lan import Lan, needs_root
 from tests.support.polling import until
 from tests.support.programs import ROOT
@@ -67,11 +68,11 @@ def of(image: Path, folder: Path, *settings: str) -> Path:
     """A card of one's own with these lines in its laserbot.txt."""
     card = folder / "card.img"
     shutil.copy(image, card)
-    say(card, *settings)
+    write_settings(card, *settings)
     return card
 
 
-def say(card: Path, *settings: str) -> None:
+def write_settings(card: Path, *settings: str) -> None:
     put_card_file(card, "laserbot.txt", "\r\n".join([*settings, ""]).encode())
 
 
@@ -119,7 +120,8 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
         first_start = pi.run("cat /etc/machine-id; sudo cat /etc/ssh/ssh_host_ed25519_key.pub")
         pi.run("echo kept | sudo tee /etc/kept && sync")
     wifi = ("country = DE", "wifi = hall", f"wifi_password = {PASSWORD}")
-    say(card, "name = raspberrypi7", f"ssh_key = {public}", *wifi, "secrets = move")
+    write_settings(card, "name = raspberrypi7", f"ssh_key = {public}", *wifi, "secrets = move")
+    assert PASSWORD.encode() in first_partition(card)
     with pi.on():
         assert f'psk="{PASSWORD}"' in pi.run("sudo cat /etc/wpa_supplicant/wpa_supplicant-wlan0.conf")
         assert pi.run("cat /etc/machine-id; sudo cat /etc/ssh/ssh_host_ed25519_key.pub") == first_start
@@ -157,9 +159,10 @@ def test_a_masters_card_serves_the_game_and_announces_it(master_image: Path, key
 
 def drives_robots_beside_it(lan: Lan, folder: Path) -> None:
     """Wait until virtual robots have found the arena, and one of them turns as a player says."""
+    build()
     *beside, players = (lan.machine() for _ in range(3))
     for number, machine in enumerate([*beside, players]):
-        give_itself_an_address(machine, number)
+        use_link_local_address(machine, number)
     first, second = (LanRobot(machine, folder, LASERBOT_ROBOT_NAME=f"beside-{machine.pid}") for machine in beside)
     with first, second:
         for robot in first, second:
@@ -216,12 +219,11 @@ def test_a_robots_card_plays_with_the_firmware_and_a_master(robot_image: Path, k
 
 @needs_root
 def test_an_arduino_is_pulled_from_a_running_robot_and_put_back(robot_image: Path, key: Path, tmp_path: Path) -> None:
-    """Not on the emulated Pi: QEMU's USB controller of a Pi ends QEMU when something in use is pulled."""
+    """Not on the emulated Pi, whose USB controller crashes QEMU when a device in use is unplugged."""
     with Lan() as lan:
         hall = Hall(lan, tmp_path)
         card = of(robot_image, tmp_path)
-        usb = ["-device", "qemu-xhci", *arduino(SERIAL_PORT)]
-        pi = RaspberryPi(tmp_path, card, key, hall.cable, usb=usb, board=STAND_IN)
+        pi = RaspberryPi(tmp_path, card, key, hall.cable, usb=arduino(SERIAL_PORT), board=STAND_IN)
         with hall.master(0) as master, pi.on():
             for _ in range(3):
                 with hall.uno() as uno:

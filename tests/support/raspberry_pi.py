@@ -32,7 +32,7 @@ def put_card_file(image: Path, name: str, content: bytes) -> None:
 
 
 def first_partition(image: Path) -> bytes:
-    """All of a card's first partition, also what no file there has any more."""
+    """The raw bytes of a card's first partition, those of deleted files too."""
     with image.open("rb") as card:
         card.seek(FIRST_PARTITION)
         return card.read(int(str(partitions(image)[0]["size"])) * 512)
@@ -116,6 +116,7 @@ class Board(NamedTuple):
     settings: str = ""  # for the kernel
     tree: str = ""  # the file on the card that describes it to the kernel
     driver: str = ""  # of its disk, if the card's initramfs has none
+    usb: tuple[str, ...] = ()  # a USB controller, if the machine has none
 
 
 PI_3 = Board(
@@ -132,6 +133,7 @@ STAND_IN = Board(
     ("-drive", "if=none,id=card,format=raw,file={}", "-device", "virtio-blk-pci,drive=card"),
     "virtio-net-pci",
     driver="block/virtio_blk",
+    usb=("-device", "qemu-xhci"),
 )
 
 
@@ -179,7 +181,7 @@ class RaspberryPi:
         lan = ["-netdev", f"{self._network.netdev},id=lan", "-device", network_card]
         screen = ["-display", "none", "-serial", f"file:{self._screen}", "-monitor", "none"]
         machine = ["qemu-system-aarch64", *board.machine, "-no-reboot"]
-        command = self._network.command(*machine, *self._boot, *words, *disk, *lan, *self._usb, *screen)
+        command = self._network.command(*machine, *self._boot, *words, *disk, *lan, *board.usb, *self._usb, *screen)
         self._pi = subprocess.Popen(command, stdin=subprocess.DEVNULL)
         try:
             yield
