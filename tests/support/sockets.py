@@ -8,3 +8,6 @@ from websockets.sync import client
 # connection that ends, which fails by chance once a test lasts longer than the 20 s between two pings. The servers'
 # own pings find the dead.
 connect = partial(client.connect, ping_interval=None)  # noqa: TID251
+
+# For a connection that nobody reads: once its queue is full its client hears no farewell, and would wait 10 s for it.
+connect_unread = partial(connect, close_timeout=0)

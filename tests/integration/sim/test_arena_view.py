@@ -18,7 +18,7 @@ from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.support.polling import LATEST, until
 from tests.support.ports import free_port
 from tests.support.programs import Program
-from tests.support.sockets import connect
+from tests.support.sockets import connect, connect_unread
 
 
 def test_a_viewer_gets_the_arena_and_then_its_states(arena: Arena) -> None:
@@ -54,7 +54,7 @@ def test_a_viewer_sees_robots_come_drive_and_go(arena: Arena) -> None:
 
 
 def test_a_viewer_that_does_not_read_holds_up_nobody(arena: Arena) -> None:
-    with connect(arena.view_url, max_queue=1, close_timeout=0.1) as slow:
+    with connect_unread(arena.view_url, max_queue=1) as slow:
         slow.recv(timeout=LATEST)  # and never again
         with Hardware(arena, "virtual0") as robot, connect(arena.view_url) as view:
             robot.drive_to(0.5, 0.2)
@@ -98,7 +98,7 @@ def test_a_state_goes_uncompressed_or_each_viewer_would_cost_its_compression(are
 def test_one_more_than_the_most_is_turned_away_and_room_is_made_by_leaving(arena: Arena) -> None:
     with ExitStack() as stack:
         here = [{FORWARDED: f"10.0.{number // OF_ADDRESS}.1"} for number in range(MAX_VIEWERS)]
-        viewers = [stack.enter_context(connect(arena.view_url, additional_headers=each)) for each in here]
+        viewers = [stack.enter_context(connect_unread(arena.view_url, additional_headers=each)) for each in here]
         with pytest.raises(InvalidStatus, match="503"), connect(arena.view_url):
             pass
         viewers[0].close()

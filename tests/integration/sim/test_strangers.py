@@ -13,7 +13,7 @@ from laser_bot_battle.proxies import FORWARDED
 from sim.arena.visits import OF_ONE
 from tests.integration.sim.arena import HOST, Arena, Hardware
 from tests.support.polling import LATEST
-from tests.support.sockets import connect
+from tests.support.sockets import connect, connect_unread
 
 REQUEST = b"GET / HTTP/1.1\r\nHost: localhost\r\n\r\n"
 FROM = "127.0.0.2"  # where no proxy is
@@ -73,7 +73,7 @@ def test_one_address_has_a_share_of_the_view_also_behind_a_proxy(arena: Arena) -
     ann, bob = {FORWARDED: "192.0.2.1"}, {FORWARDED: "192.0.2.2"}
     with ExitStack() as stack:
         for _ in range(OF_ADDRESS):
-            stack.enter_context(connect(arena.view_url, additional_headers=ann))
+            stack.enter_context(connect_unread(arena.view_url, additional_headers=ann))
         with pytest.raises(InvalidStatus, match="503"), connect(arena.view_url, additional_headers=ann):
             pass
         with connect(arena.view_url, additional_headers=bob) as viewer:
