@@ -10,18 +10,24 @@ from tests.support.programs import ROOT
 
 
 @pytest.fixture(scope="session")
-def robot_image() -> Path:
-    return built("robot")
+def images() -> Path:
+    return built("robot", "master")
 
 
 @pytest.fixture(scope="session")
-def master_image() -> Path:
-    return built("master")
+def robot_image(images: Path) -> Path:
+    return images / "laserbot-robot.img"
 
 
-def built(role: str) -> Path:
-    subprocess.run([ROOT / "ci/cards", role], env={**os.environ, "PLAIN": "1"}, check=True)
-    return ROOT / f"build/cards/laserbot-{role}.img"
+@pytest.fixture(scope="session")
+def master_image(images: Path) -> Path:
+    return images / "laserbot-master.img"
+
+
+def built(*roles: str) -> Path:
+    """The folder of those cards. What an update is made of is theirs, too."""
+    subprocess.run([ROOT / "ci/cards", *roles], env={**os.environ, "PLAIN": "1"}, check=True)
+    return ROOT / "build/cards"
 
 
 @pytest.fixture

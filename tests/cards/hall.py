@@ -81,17 +81,10 @@ class Hall:
 
     @contextlib.contextmanager
     def update(self, version: str) -> Iterator[None]:
-        """What the first master gives to robots, as one from a card: a version with another container of the same
-        image."""
-        new, served = self._folder / version / "robot", self._folder / f"served-{version}"
-        shutil.copytree(ROOT / "build/cards/update/robot", new)
-        description = new / "containers" / "robot.json"
-        container = json.loads(description.read_text())
-        container["Env"].append(f"UPDATE={version}")
-        description.write_text(json.dumps(container))
-        archive.write(version, new.parent, self._folder / f"{version}.update")
+        """The first master gives that version to robots, as one from a card does."""
+        served = self._folder / f"served-{version}"
         served.mkdir()
-        subprocess.run(["tar", "-xf", self._folder / f"{version}.update", "-C", served], check=True)
+        subprocess.run(["tar", "-xf", another_version(version, self._folder), "-C", served], check=True)
         server = self._masters[0].program(sys.executable, "-m", "http.server", str(PORT), "--directory", served)
         try:
             yield
@@ -102,6 +95,18 @@ class Hall:
         own = address(self._masters.index(master.machine))
         ros = {"ROS_MASTER_URI": f"http://{own}:11311", "ROS_IP": own}
         return master.machine.python("tests.integration.robot.peers", *words, env=ros)
+
+
+def another_version(version: str, folder: Path, **changes: object) -> Path:
+    """An update file: other containers, with these changes, of the images that the cards hold."""
+    new, update = folder / version, folder / f"{version}.update"
+    shutil.copytree(ROOT / "build/cards/update", new)
+    for description in new.glob("*/containers/*.json"):
+        container = {**json.loads(description.read_text()), **changes}
+        container["Env"].append(f"UPDATE={version}")
+        description.write_text(json.dumps(container))
+    archive.write(version, new, update)
+    return update
 
 
 def use_link_local_address(machine: Machine, number: int) -> None:
