@@ -1,8 +1,9 @@
 """Cuts the power of a robot with a card at random moments: `python3 -m tests.bench.cuts`. QEMU emulates it.
 
-Each new card is cut a few times in a row: in its first start, in starts after that, and at last while its master gives
-it an update. Then it is left alone and must come back: with an Arduino at its USB, it must be one of its master's
-robots, drive, and get the update. There is a row for each cut, and two for each card.
+Each new card, with an Arduino at its USB and a master in its network, is cut a few times in a row: in its first start,
+in starts after that and once it plays, and at last while its master gives it an update. Then it is left alone and must
+come back: it must be one of its master's robots, drive, and get the update. There is a row for each cut, and two for
+each card.
 """
 
 import argparse
@@ -16,11 +17,12 @@ from pathlib import Path
 from tests.cards.conftest import built
 from tests.cards.hall import SERIAL_PORT, Hall, given_version
 from tests.support.lan import Lan
-from tests.support.polling import until
+from tests.support.polling import SLOWNESS, until
 from tests.support.raspberry_pi import STAND_IN, RaspberryPi, arduino, put_card_file
 
-# s after the plug, the latest cut: of a card's first start, of one after it, of one in which an update comes
-FIRST, LATER, UPDATING = 600.0, 180.0, 600.0
+# s of a quiet machine after the plug, the latest cut: of a card's first start, of one after it, of one in which an
+# update comes
+FIRST, LATER, UPDATING = 350.0, 105.0, 350.0
 READY = 1800.0  # s of a quiet machine until it has come back
 VERSION = "9.9.9"
 ANEW = "card: making "  # what the card's first program says when it makes something
@@ -34,10 +36,10 @@ def main() -> None:
     arguments = parser.parse_args()
     print(f"seed {arguments.seed}", flush=True)
     chance = random.Random(arguments.seed)
-    image = built("robot")
+    image = built("robot") / "laserbot-robot.img"
     for number in range(arguments.cards):
-        later = [chance.uniform(0, LATER) for _ in range(arguments.cuts - 2)]
-        moments = [chance.uniform(0, FIRST), *later, chance.uniform(0, UPDATING)][: arguments.cuts]
+        latest = [FIRST, *[LATER] * (arguments.cuts - 2), UPDATING][: arguments.cuts]
+        moments = [chance.uniform(0, seconds) * SLOWNESS for seconds in latest]
         with tempfile.TemporaryDirectory(prefix="laserbot-cuts-") as folder, Lan() as lan:
             try_card(f"card {number + 1}", image, Path(folder), lan, moments)
     print(f"{arguments.cards * arguments.cuts} cuts of {arguments.cards} cards: each came back")
@@ -59,17 +61,18 @@ def try_card(name: str, image: Path, folder: Path, lan: Lan, moments: list[float
         made = [line.partition(ANEW)[2] for line in said if ANEW in line]
         print(f"{name}: cut after {moment:5.1f} s   made {made}   {said[-1][:80] if said else ''}", flush=True)
 
-    for moment in moments[:-1]:
-        cut(moment)
-    with hall.master(0) as master, hall.update(VERSION), hall.uno() as uno:
-        cut(moments[-1])
-        began = time.monotonic()
-        with pi.on():
-            hall.drives(master, uno)
-            print(f"{name}: drives after {time.monotonic() - began:5.1f} s", flush=True)
-            until(lambda: given_version(pi) == VERSION, READY, "it runs the update")
-            hall.drives(master, uno)
-            print(f"{name}: drives with the update after {time.monotonic() - began:5.1f} s", flush=True)
+    with hall.master(0) as master, hall.uno() as uno:
+        for moment in moments[:-1]:
+            cut(moment)
+        with hall.update(VERSION):
+            cut(moments[-1])
+            began = time.monotonic()
+            with pi.on():
+                hall.drives(master, uno)
+                print(f"{name}: drives after {time.monotonic() - began:5.1f} s", flush=True)
+                until(lambda: given_version(pi) == VERSION, READY, "it runs the update")
+                hall.drives(master, uno)
+                print(f"{name}: drives with the update after {time.monotonic() - began:5.1f} s", flush=True)
 
 
 if __name__ == "__main__":
