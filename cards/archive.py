@@ -30,7 +30,7 @@ _FILE = re.compile(r"(robot|master)/(image\.tar|containers/[a-z0-9-]{1,40}\.json
 _SUM = re.compile(r"[0-9a-f]{64}")
 _IMAGE = re.compile(r"[0-9A-Za-z._/:@-]+")
 # without which containers.py cannot do; a master runs whatever there is
-_NEEDED = {"robot": {"robot", "camera", "camera-libcamera"}, "master": {"web"}}
+_NEEDED = {"robot": {"robot", "camera"}, "master": {"web"}}
 
 
 class Sum(NamedTuple):

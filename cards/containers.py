@@ -10,7 +10,6 @@ from laser_bot_battle import variables
 
 # Of the containers that are a card's own. One without it is from Ansible, which has deployed to the host.
 LABEL = "laserbot.card"
-LIBCAMERA = "libcamera"
 
 Container = dict[str, Any]  # the body of the engine's /containers/create
 
@@ -18,7 +17,7 @@ Container = dict[str, Any]  # the body of the engine's /containers/create
 def containers(card: Card, host: str, described: Mapping[str, Container]) -> dict[str, Container]:
     """By name: those that a card with these settings runs on the host `host`.
 
-    `described` are those that the fleet's roles would run: robot, camera and camera-libcamera, or all of a master's.
+    `described` are those that the fleet's roles would run: robot and camera, or all of a master's.
     """
     settings = {variables.ARENA_NAME.name: card.arena} if card.arena else {}
     if card.role == "master":
@@ -28,8 +27,7 @@ def containers(card: Card, host: str, described: Mapping[str, Container]) -> dic
         settings[variables.CAMERA.name] = card.camera
     found = {"laserbot-robot": _set(described["robot"], settings)}
     if card.camera:
-        kind = "camera-libcamera" if card.camera == LIBCAMERA else "camera"
-        found["laserbot-camera"] = _set(described[kind], settings)
+        found["laserbot-camera"] = _set(described["camera"], settings)
     return found
 
 

@@ -115,9 +115,7 @@ def _of_wifi(found: dict[str, Any], lines: Mapping[str, int], refused: Collectio
     if "wifi_password" in refused and "wifi_password" not in found and found.pop("wifi", None):
         # an open network of that name would be somebody else's
         return [Mistake(lines["wifi"], "wifi is not joined, because its password is not valid")]
-    if (
-        "wifi_password" in found and "wifi" not in found and found.get("secrets") != values.MOVE
-    ):  # else a cut may be why
+    if "wifi_password" in found and "wifi" not in found:
         return [Mistake(lines["wifi_password"], "wifi_password: there is no wifi to which it could belong")]
     return []
 
@@ -249,8 +247,8 @@ def _fields(zones: Collection[str], role: str) -> tuple[_Field, ...]:
         _Field(
             "camera",
             values.camera,
-            "libcamera",
-            "The robot's camera: libcamera for the Raspberry Pi's own, /dev/video0 for one at USB.",
+            "/dev/video0",
+            "The robot's USB camera.",
             only="robot",
         ),
         _Field(

@@ -78,9 +78,10 @@ def ssh_key(text: str) -> str:
 
 def camera(text: str) -> str:
     if text.lower() == "libcamera":
-        return text.lower()
+        # Debian's kernel is built without CONFIG_VIDEO_BCM2835_UNICAM
+        raise ValueError("the card's kernel has no driver for the Raspberry Pi's own camera: use a USB camera")
     if not re.fullmatch(r"/dev/[\w/.-]+", text):
-        raise ValueError("must be libcamera or a device such as /dev/video0")
+        raise ValueError("must be a device such as /dev/video0")
     return text
 
 

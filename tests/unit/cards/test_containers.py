@@ -19,7 +19,6 @@ DESCRIBED: dict[str, Container] = {
         "HostConfig": {"ReadonlyRootfs": True},
     },
     "camera": {"Image": "rosberry:1", "Env": ["LASERBOT_CAMERA=/dev/video0"]},
-    "camera-libcamera": {"Image": "rosberry:1", "Env": ["LASERBOT_CAMERA=libcamera"]},
 }
 OF_A_MASTER: dict[str, Container] = {
     "web": {"Image": "webserver:1", "Env": ["LASERBOT_FLOOR=battle"]},
@@ -54,11 +53,10 @@ def test_an_unchanged_card_runs_the_robot_that_looks_for_the_only_arena() -> Non
     assert robot["HostConfig"] == {"ReadonlyRootfs": True}
 
 
-@pytest.mark.parametrize("camera", ["/dev/video2", "libcamera"])
-def test_the_settings_reach_the_containers_that_know_them(camera: str) -> None:
-    found = wanted(Card(arena="hall", camera=camera))
-    assert {"LASERBOT_ARENA=hall", f"LASERBOT_CAMERA={camera}"} <= set(found["laserbot-robot"]["Env"])
-    assert found["laserbot-camera"]["Env"] == [f"LASERBOT_CAMERA={camera}"]
+def test_the_settings_reach_the_containers_that_know_them() -> None:
+    found = wanted(Card(arena="hall", camera="/dev/video2"))
+    assert {"LASERBOT_ARENA=hall", "LASERBOT_CAMERA=/dev/video2"} <= set(found["laserbot-robot"]["Env"])
+    assert found["laserbot-camera"]["Env"] == ["LASERBOT_CAMERA=/dev/video2"]
 
 
 @pytest.mark.parametrize(
@@ -81,7 +79,7 @@ def test_a_masters_card_runs_all_that_a_master_has(card: Card, announced: str, i
 
 def test_the_first_start_loads_the_image_once_and_runs_all(image: Path) -> None:
     engine = CardEngine()
-    arrange(engine, wanted(Card(camera="libcamera")), image)
+    arrange(engine, wanted(Card(camera="/dev/video0")), image)
     assert engine.changes.count("POST /images/load?quiet=1") == 1
     assert {name: found["State"]["Status"] for name, found in engine.containers.items()} == {
         "laserbot-robot": "running",
@@ -108,7 +106,7 @@ def test_a_start_that_was_cut_off_is_done_again(image: Path) -> None:
 
 def test_another_laserbot_txt_makes_other_containers(image: Path) -> None:
     engine = CardEngine()
-    arrange(engine, wanted(Card(camera="libcamera")), image)
+    arrange(engine, wanted(Card(camera="/dev/video0")), image)
     arrange(engine, wanted(Card(arena="hall"), "r2"), image)
     [(name, robot)] = engine.containers.items()
     assert name == "laserbot-robot"

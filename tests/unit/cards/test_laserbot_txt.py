@@ -38,7 +38,6 @@ TOKEN = "0123456789abcdef"
         ("TimeZone: America/New York", Card(time_zone="America/New_York")),
         (f"ssh_key = {KEY} me@my computer", Card(ssh_keys=(f"{KEY} me@my computer",))),
         (f"operator_token = {TOKEN}", Card(role="master", operator_token=TOKEN)),
-        ("camera = LibCamera", Card(camera="libcamera")),
         ("camera = /dev/video0", Card(camera="/dev/video0")),
         ("version = Previous", Card(role="master", version="previous")),
         ("version = newest", Card(role="master", version="newest")),
@@ -98,7 +97,8 @@ def test_a_line_is_understood(line: str, expected: Card) -> None:
         (f"ssh_key = {KEY.replace('ed25519', 'rsa')}", "ssh_key: must be a whole public key"),
         ("operator_token = too short", "operator_token: the token needs at least 16 characters"),
         ("version = previous", "version = previous: is for a master's card only"),
-        ("camera = video0", "camera = video0: must be libcamera or a device such as /dev/video0"),
+        ("camera = video0", "camera = video0: must be a device such as /dev/video0"),
+        ("camera = LibCamera", "camera = LibCamera: the card's kernel has no driver for the Raspberry Pi's own camera"),
     ],
 )
 def test_a_wrong_line_is_told_and_costs_nothing_else(line: str, told: str) -> None:
@@ -118,9 +118,10 @@ def test_a_wifi_whose_password_cannot_be_one_is_not_joined_as_an_open_one() -> N
     ]
 
 
-def test_a_password_without_a_wifi_is_told() -> None:
-    card, [mistake] = parse(b"wifi_password = correct horse\n", ZONES, "robot")
-    assert card == Card(wifi_password="correct horse")
+@pytest.mark.parametrize("secrets", ["keep", "move"])
+def test_a_password_without_a_wifi_is_told(secrets: str) -> None:
+    card, [mistake] = parse(f"wifi_password = correct horse\nsecrets = {secrets}\n".encode(), ZONES, "robot")
+    assert card == Card(wifi_password="correct horse", secrets=secrets)
     assert str(mistake) == "laserbot.txt, line 1: wifi_password: there is no wifi to which it could belong"
 
 
@@ -146,7 +147,7 @@ def test_a_file_without_its_secrets_says_the_rest(encoding: str) -> None:
     [
         ("role = robot", "role = robot: this is a master's card; a robot's is made from laserbot-robot.img.xz"),
         ("name = raspberrypi7", "name = raspberrypi7: is for a robot's card only"),
-        ("camera = libcamera", "camera = libcamera: is for a robot's card only"),
+        ("camera = /dev/video0", "camera = /dev/video0: is for a robot's card only"),
         ("version = 1.0.0", "version = 1.0.0: must be newest or previous"),
         (f"operator_token = {TOKEN[:-1]}", "operator_token: the token needs at least 16 characters"),
     ],
