@@ -26,7 +26,7 @@ from cards.files import MASTER_HOST, STATE
 from cards.laserbot_txt import Card
 from cards.start import own_role, read
 from cards.store import Store
-from cards.telling import tell
+from cards.telling import tell, topic_of
 from cards.values import PREVIOUS
 from cards.versions import candidates, failed, kept, proven
 
@@ -111,7 +111,7 @@ def settle(
     state, back = store.state(), card.version == PREVIOUS
     versions = candidates(state, back, store.stored(), store.own)
     for version, other in zip_longest(versions, versions[1:]):
-        topic = f"version {version} does not run here"
+        topic = topic_of(version)
         try:
             wanted = containers(card, host, store.described(version))
             stopped = trial.stopped(engine, wanted)
@@ -121,6 +121,8 @@ def settle(
                 failing = _failing(engine, store, card, wanted, stopped=stopped, steady=steady)
             if not failing:
                 if version == state.trial:
+                    for old in {*state.refused, state.current, state.previous}:
+                        tell(topic_of(old), "")  # of no interest any more
                     state = proven(state)
                     store.remember(state)
                 tell(topic, "")

@@ -16,12 +16,12 @@ from cards import archive, trial
 from cards.laserbot_txt import Card
 from cards.run import run
 from cards.store import Store
-from cards.telling import ERRORS, tell
+from cards.telling import ERRORS, tell, tell_mistakes
 from cards.update import update
 from tests.support.card_engine import CardEngine
 
 IMAGES = {"robot": "rosberry", "master": "webserver"}
-CONTAINERS = {"robot": ("robot", "camera", "camera-libcamera"), "master": ("web", "announcer")}
+CONTAINERS = {"robot": ("robot", "camera"), "master": ("web", "announcer")}
 STEPS = ("fsync", "mkdir", "rename", "replace", "rmdir", "symlink", "unlink")
 
 
@@ -83,6 +83,7 @@ class CardHost:
         if unsound.exists():  # as cards/boot/init does
             self.engine.lose_files()
             unsound.unlink()
+        tell_mistakes(self.boot, [])
         update(self.boot, self.store, card, self.engine)
         self.settle(card)
 

@@ -171,6 +171,23 @@ def test_it_is_told_which_version_runs_instead(master: CardHost) -> None:
     assert master.runs == "2"
 
 
+def test_why_a_version_did_not_run_is_told_until_another_runs(master: CardHost) -> None:
+    give(master, "2")
+    master.engine.restless = {image("master", "2")}
+    master.start()
+    [told] = master.told
+    (master.boot / "no.update").write_text("no update")
+    master.start()
+    assert master.told[0] == told, "whoever sees no change switches it off and on again, and looks then"
+    assert len(master.told) == 2
+    (master.boot / "no.update").unlink()
+    master.start()
+    assert master.told == [told]
+    give(master, "3")
+    master.start()
+    assert (master.runs, master.told) == ("3", [])
+
+
 def stop(host: CardHost, *names: str) -> None:
     """As a person does."""
     for name in names:
