@@ -129,7 +129,10 @@ PI_3 = Board(
 )
 STAND_IN = Board(
     # with more processors than there are, they wait for one another
-    ("-M", "virt", "-cpu", "cortex-a53", "-smp", str(min(4, len(os.sched_getaffinity(0)))), "-m", "2G"),
+    (
+        *("-M", "virt", "-cpu", "cortex-a53", "-smp", str(min(4, len(os.sched_getaffinity(0)))), "-m", "2G"),
+        *("-rtc", "base=2020-01-01"),  # a Pi has no clock that would know better
+    ),
     ("-drive", "if=none,id=card,format=raw,file={}", "-device", "virtio-blk-pci,drive=card"),
     "virtio-net-pci",
     driver="block/virtio_blk",
