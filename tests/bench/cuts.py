@@ -1,7 +1,7 @@
 """Cuts the power of a robot with a card at random moments: `python3 -m tests.bench.cuts`. QEMU emulates it.
 
-Each new card, with an Arduino at its USB and a master in its network, is cut a few times in a row: in its first start,
-in starts after that and once it plays, and at last while its master gives it an update. Then it is left alone and must
+Each new card, with an Arduino on USB and a master in its network, is cut a few times in a row: during its first start,
+during later ones or while it plays, and at last while its master gives it an update. Then it is left alone and must
 come back: it must be one of its master's robots, drive, and get the update. There is a row for each cut, and two for
 each card.
 """
@@ -20,8 +20,8 @@ from tests.support.lan import Lan
 from tests.support.polling import SLOWNESS, until
 from tests.support.raspberry_pi import STAND_IN, RaspberryPi, arduino, put_card_file
 
-# s of a quiet machine after the plug, the latest cut: of a card's first start, of one after it, of one in which an
-# update comes
+# the latest moment of a cut, in s of a quiet machine after power-on: in a card's first start, in a later one, in one in
+# which an update comes
 FIRST, LATER, UPDATING = 350.0, 105.0, 350.0
 READY = 1800.0  # s of a quiet machine until it has come back
 VERSION = "9.9.9"

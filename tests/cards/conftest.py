@@ -25,7 +25,7 @@ def master_image(images: Path) -> Path:
 
 
 def built(*roles: str) -> Path:
-    """The folder of those cards. What an update is made of is theirs, too."""
+    """The folder with those cards' images, and with what an update for them is made of."""
     subprocess.run([ROOT / "ci/cards", *roles], env={**os.environ, "PLAIN": "1"}, check=True)
     return ROOT / "build/cards"
 

@@ -81,7 +81,7 @@ class Hall:
 
     @contextlib.contextmanager
     def update(self, version: str) -> Iterator[None]:
-        """The first master gives that version to robots, as one from a card does."""
+        """The first master gives that version to robots, as a master that runs from a card does."""
         served = self._folder / f"served-{version}"
         served.mkdir()
         subprocess.run(["tar", "-xf", another_version(version, self._folder), "-C", served], check=True)
@@ -98,7 +98,7 @@ class Hall:
 
 
 def another_version(version: str, folder: Path, **changes: object) -> Path:
-    """An update file: other containers, with these changes, of the images that the cards hold."""
+    """An update file: the images that the cards hold, and their containers with these changes."""
     new, update = folder / version, folder / f"{version}.update"
     shutil.copytree(ROOT / "build/cards/update", new)
     for description in new.glob("*/containers/*.json"):

@@ -44,7 +44,7 @@ from tests.support.raspberry_pi import (
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(7200)]
 
 MINUTE = 60 * 10**9  # ns, the engine's unit
-# A container's own takes longer in an emulator than the time until the next one.
+# In an emulator, a container's own check takes longer than the time until the next one.
 LIGHT_HEALTH_CHECK = {
     "Test": ["CMD", "true"],
     "StartPeriod": 60 * MINUTE,
@@ -175,7 +175,7 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
 
 @needs_root
 def test_a_masters_card_serves_the_game_and_announces_it(master_image: Path, key: Path, tmp_path: Path) -> None:
-    """Virtual robots find it in its network, and a player drives one of them. It takes an update from its card."""
+    """Virtual robots find it in its network, and a player drives one of them. The master takes an update."""
     public = key.with_suffix(".pub").read_text().strip()
     settings = ("arena = hall", f"operator_token = {TOKEN}", f"ssh_key = {public}", "name = raspberrypi7")
     with Lan() as lan:

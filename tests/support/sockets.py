@@ -9,5 +9,6 @@ from websockets.sync import client
 # own pings find the dead.
 connect = partial(client.connect, ping_interval=None)  # noqa: TID251
 
-# For a connection that nobody reads: once its queue is full its client hears no farewell, and would wait 10 s for it.
+# For a connection that nobody reads: once its queue is full, the client does not get the server's farewell, and would
+# wait 10 s for it.
 connect_unread = partial(connect, close_timeout=0)
