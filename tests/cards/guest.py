@@ -9,7 +9,7 @@ from tests.support.polling import until
 
 def main() -> None:
     front = Front(sys.argv[1])
-    until(lambda: (players_and_free_robots(front) or ([], 0))[1] > 0, 300, "a robot is free")
+    until(lambda: (players_and_free_robots(front) or ([], 0))[1] > 1, 300, "two robots are free")
     with Player(front, "Ada") as ada:
         print(f"turns robot {ada.robot}", flush=True)
         while True:

@@ -121,9 +121,24 @@ def address(number: int) -> str:
 
 
 def given_version(pi: RaspberryPi) -> str:
-    """That the card runs; "" while it is the one that it was made with and no other was tried."""
+    """The newest that has run on the card; "" while none was tried but the one that it was made with."""
     found = pi.run(f"cat {STATE}/state.json 2>/dev/null || echo {{}}")
     return str(json.loads(found).get("current", ""))
+
+
+def environment(pi: RaspberryPi, container: str) -> str:
+    """A line for each of the container's variables."""
+    return pi.run(f"sudo docker inspect --format '{{{{range .Config.Env}}}}{{{{println .}}}}{{{{end}}}}' {container}")
+
+
+def wait_for_the_containers(pi: RaspberryPi) -> None:
+    """Until the card's program has started them. The error says what the engine logged."""
+    try:
+        until(lambda: pi.run("systemctl is-active laserbot-containers || true") == "active\n", 1800)
+    except AssertionError as error:
+        logged = "sudo journalctl --no-pager --lines 40 --unit docker --unit laserbot-containers"
+        error.add_note(pi.run(f"systemctl --failed --no-legend; {logged}"))
+        raise
 
 
 def position(uno: Program, wheel: str) -> int:

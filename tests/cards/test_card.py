@@ -7,25 +7,21 @@ import shutil
 from pathlib import Path
 
 import pytest
-import yaml
 
-from cards.archive import MANIFEST
-from cards.follow import PORT
+from cards.files import CONTAINER_USER
 from cards.laserbot_txt import render
 from laser_bot_battle.names import VERSION
+from tests.cards import master_card
 from tests.cards.hall import (
     SERIAL_PORT,
     Hall,
     another_version,
+    environment,
     given_version,
-    position,
-    use_link_local_address,
+    wait_for_the_containers,
 )
-from tests.integration.discovery.robot import LanRobot
-from tests.support.avr import build
 from tests.support.lan import Lan, needs_root
 from tests.support.polling import until
-from tests.support.programs import ROOT
 from tests.support.raspberry_pi import (
     FIRST_PARTITION,
     STAND_IN,
@@ -43,48 +39,12 @@ from tests.support.raspberry_pi import (
 # a Raspberry Pi in an emulator takes minutes to start
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(7200)]
 
-MINUTE = 60 * 10**9  # ns, the engine's unit
-# In an emulator, a container's own check takes longer than the time until the next one.
-LIGHT_HEALTH_CHECK = {
-    "Test": ["CMD", "true"],
-    "StartPeriod": 60 * MINUTE,
-    "StartInterval": MINUTE,  # until it has passed once
-    "Interval": 60 * MINUTE,
-    "Timeout": MINUTE,
-}
-LIGHTEN_HEALTH_CHECKS = f"""sudo python3 -c '
-from json import dumps, loads
-from pathlib import Path
-for path in Path("/opt/laserbot-card/containers").iterdir():
-    path.write_text(dumps({{**loads(path.read_text()), "Healthcheck": {json.dumps(LIGHT_HEALTH_CHECK)}}}))
-'
-sudo systemctl restart --no-block laserbot-containers
-"""
-WHY = "systemctl --failed --no-legend; sudo journalctl --no-pager --lines 40 --unit docker --unit laserbot-containers"
-MASTER = yaml.safe_load((ROOT / "ansible/roles/master/vars/main.yml").read_text())["master_services"]
-TOKEN, PASSWORD = "correct horse battery staple", "a secret of the hall"
-SIGN_IN = f"""python3 -c '
-from urllib.request import *
-form = b"token={TOKEN}"
-print(urlopen("http://localhost/operator/login", form).url)
+PASSWORD = "a secret of the hall"
+ROBOTS = """sudo python3 -c '
+import sqlite3
+game = sqlite3.connect("file:/var/lib/laserbot/laserbot.db?mode=ro", uri=True)
+print(game.execute("SELECT caller, robot FROM robots ORDER BY caller").fetchall())
 '"""
-GIVEN_TO_ROBOTS = f"""python3 -c '
-from urllib.request import urlopen
-print(urlopen("http://localhost:{PORT}/{MANIFEST}").read().decode())
-'"""
-
-
-def environment(pi: RaspberryPi, container: str) -> str:
-    """A line for each of the container's variables."""
-    return pi.run(f"sudo docker inspect --format '{{{{range .Config.Env}}}}{{{{println .}}}}{{{{end}}}}' {container}")
-
-
-def wait_for_the_containers(pi: RaspberryPi) -> None:
-    try:
-        until(lambda: pi.run("systemctl is-active laserbot-containers || true") == "active\n", 1800)
-    except AssertionError as error:
-        error.add_note(pi.run(WHY))
-        raise
 
 
 def wait_for_the_robot(pi: RaspberryPi) -> None:
@@ -101,6 +61,11 @@ def of(image: Path, folder: Path, *settings: str) -> Path:
     return card
 
 
+def destroy(pi: RaspberryPi, partition: str) -> None:
+    """Overwrite its beginning, with the first spare superblock, so that nothing can mend it."""
+    pi.run(f"sudo dd if=/dev/zero of={partition} bs=1M count=160 conv=fsync 2>/dev/null")
+
+
 def write_settings(card: Path, *settings: str) -> None:
     put_card_file(card, "laserbot.txt", "\r\n".join([*settings, ""]).encode())
 
@@ -110,7 +75,8 @@ def test_a_robots_card_has_all_that_it_needs(robot_image: Path) -> None:
 
 
 def test_a_masters_card_has_all_that_it_needs(master_image: Path) -> None:
-    holds(master_image, "master", "webserver", [service["name"].removeprefix("laserbot-") for service in MASTER])
+    containers = [name.removeprefix("laserbot-") for name in master_card.CONTAINERS]
+    holds(master_image, "master", "webserver", containers)
 
 
 def holds(card: Path, role: str, image: str, containers: list[str]) -> None:
@@ -166,7 +132,7 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
         assert "card: making the engine's files anew" in pi.screen()
         assert pi.run("cat /etc/kept; ls /var/lib/laserbot-card/engine-unsound 2>/dev/null || true") == "kept\n"
         # what is beyond repair is made anew
-        pi.run("sudo dd if=/dev/zero of=/dev/mmcblk0p3 bs=1M count=64 conv=fsync 2>/dev/null")
+        destroy(pi, "/dev/mmcblk0p3")
     with pi.on():
         assert pi.run("hostname; ls /etc/kept 2>/dev/null || true") == "raspberrypi7\n"
         assert "card: making /dev/mmcblk0p3" in pi.screen()
@@ -175,64 +141,42 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
 
 @needs_root
 def test_a_masters_card_serves_the_game_and_announces_it(master_image: Path, key: Path, tmp_path: Path) -> None:
-    """Virtual robots find it in its network, and a player drives one of them. The master takes an update."""
-    public = key.with_suffix(".pub").read_text().strip()
-    settings = ("arena = hall", f"operator_token = {TOKEN}", f"ssh_key = {public}", "name = raspberrypi7")
+    """Virtual robots find it in its network, and a player drives one of them.
+
+    The master takes an update, and goes back to the version before. When its third partition is destroyed, it gets
+    what it knew of its robots from the copy on the first.
+    """
+    settings = (f"ssh_key = {key.with_suffix('.pub').read_text().strip()}", *master_card.SETTINGS)
     with Lan() as lan:
         cable = Cable(lan.machine())
         card = of(master_image, tmp_path, *settings)
         pi = RaspberryPi(tmp_path, card, key, cable, board=STAND_IN)
         with pi.on():
-            serves(pi)
-            drives_robots_beside_it(lan, tmp_path)
+            master_card.serves(pi)
+            master_card.drives_robots_beside_it(lan, tmp_path)
             time = int(pi.run("sudo systemctl start laserbot-clock && sync && date +%s"))
-        update = another_version("9.9.9", tmp_path, Healthcheck=LIGHT_HEALTH_CHECK)
+        update = another_version("9.9.9", tmp_path, Healthcheck=master_card.LIGHT_HEALTH_CHECK)
         put_card_file(card, "new.update", update.read_bytes())
         with pi.on():
             assert int(pi.run("date +%s")) > time, "its clock goes on from there"
-            runs_the_update(pi)
-
-
-def drives_robots_beside_it(lan: Lan, folder: Path) -> None:
-    """Wait until virtual robots have found the arena, and one of them turns as a player says."""
-    build()
-    *beside, players = (lan.machine() for _ in range(3))
-    for number, machine in enumerate([*beside, players]):
-        use_link_local_address(machine, number)
-    first, second = (LanRobot(machine, folder, LASERBOT_ROBOT_NAME=f"beside-{machine.pid}") for machine in beside)
-    with first, second:
-        for robot in first, second:
-            robot.wait_for("/command", 600)
-        (found,) = set(re.findall(r"arena 'hall' at ([0-9.]+), announced", first.output + second.output))
-        guest = players.python("tests.cards.guest", found)
-        try:
-            guest.wait_for("turns robot", 600)
-            until(lambda: any(abs(position(robot.uno, "left")) > 100 for robot in (first, second)), 300, "one turns")
-        finally:
-            guest.kill()
-
-
-def serves(pi: RaspberryPi) -> None:
-    """Wait until a master's card does all that it can do alone."""
-    assert pi.run("hostname") == "laser-bot-master\n"
-    told = pi.run("sudo cat /boot/firmware/laserbot-errors.txt")
-    assert told == "laserbot.txt, line 4: name = raspberrypi7: is for a robot's card only\n"
-    pi.run(LIGHTEN_HEALTH_CHECKS)
-    wait_for_the_containers(pi)
-    running = pi.run("sudo docker ps --format '{{.Names}}'").split()
-    assert sorted(running) == sorted(service["name"] for service in MASTER)
-    announced = "sudo journalctl --boot -t laserbot-announcer"
-    until(lambda: "arena 'hall' is announced" in pi.run(announced), 1800, "it announces itself")
-    signed_in = "http://localhost/operator\n"
-    until(lambda: pi.run(f"{SIGN_IN} 2>/dev/null || true") == signed_in, 1800, "the operator can sign in")
-
-
-def runs_the_update(pi: RaspberryPi) -> None:
-    """Wait until a master has taken the file from its card, runs what is in it, and gives it to robots."""
-    until(lambda: given_version(pi) == "9.9.9", 3000, "it runs the update")
-    assert "new.update" not in pi.run("sudo ls /boot/firmware").split()
-    assert "UPDATE=9.9.9\n" in environment(pi, "laserbot-web")
-    until(lambda: '"version": "9.9.9"' in pi.run(f"{GIVEN_TO_ROBOTS} 2>/dev/null || true"), 600, "robots are given it")
+            master_card.runs_the_update(pi, "9.9.9")
+            pi.run("sync")
+        write_settings(card, *settings, "version = previous")
+        with pi.on():
+            assert given_version(pi) == "9.9.9"
+            wait_for_the_containers(pi)
+            assert "UPDATE=" not in environment(pi, "laserbot-web")
+            master_card.tells_robots(pi, pi.run("cat /opt/laserbot-card/version").strip())
+            robots = pi.run(ROBOTS)
+            assert robots.count("beside") == 2
+            pi.run("sudo systemctl start laserbot-backups")
+            destroy(pi, "/dev/vda3")
+        with pi.on():
+            assert pi.run("hostname") == "laser-bot-master\n"
+            assert "card: making /dev/vda3" in pi.screen()
+            master_card.serves(pi)
+            assert pi.run(ROBOTS) == robots
+            assert pi.run("sudo stat --format %u /var/lib/laserbot/laserbot.db") == f"{CONTAINER_USER}\n"
 
 
 @needs_root
