@@ -11,18 +11,16 @@ player drive one of two virtual robots in its network.
 
 import argparse
 import random
-import shutil
-import subprocess
 import tempfile
 import time
 from pathlib import Path
 
 from tests.cards import master_card
-from tests.cards.conftest import built
+from tests.cards.conftest import built, new_key
 from tests.cards.hall import SERIAL_PORT, Hall, another_version, given_version
 from tests.support.lan import Lan
 from tests.support.polling import SLOWNESS, until
-from tests.support.raspberry_pi import STAND_IN, Cable, RaspberryPi, arduino, put_card_file
+from tests.support.raspberry_pi import STAND_IN, Cable, RaspberryPi, arduino, new_card, put_card_file
 
 # the latest that a cut may come, in s of a quiet machine after power-on: in the first start, in a later one, and while
 # it gets an update
@@ -57,24 +55,20 @@ def main() -> None:
     for number in range(arguments.cards):
         moments = [chance.uniform(0, seconds) * SLOWNESS for seconds in latest]
         with tempfile.TemporaryDirectory(prefix="laserbot-cuts-") as folder, Lan() as lan:
-            card = Card(f"{role} {number + 1}", image, Path(folder))
+            settings = master_card.SETTINGS if role == "master" else ()
+            card = Card(f"{role} {number + 1}", image, Path(folder), *settings)
             {"robot": try_robot, "master": try_master}[role](card, lan, moments)
     print(f"{arguments.cards * arguments.cuts} cuts of {arguments.cards} cards: each came back")
 
 
 class Card:
-    """A new one, as an image of its own in that folder."""
+    """A new one, as an image of its own in that folder. Its laserbot.txt has the SSH key, then `settings`."""
 
-    def __init__(self, name: str, image: Path, folder: Path) -> None:
-        self.folder, self.image, self.key = folder, folder / "card.img", folder / "key"
+    def __init__(self, name: str, image: Path, folder: Path, *settings: str) -> None:
+        self.folder, self.key = folder, new_key(folder)
         self._name = name
-        subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", self.key], check=True)
-        shutil.copy(image, self.image)
-
-    def write(self, *lines: str) -> None:
-        """Write its laserbot.txt: the SSH key, then these lines."""
         public = self.key.with_suffix(".pub").read_text().strip()
-        put_card_file(self.image, "laserbot.txt", "\n".join([f"ssh_key = {public}", *lines, ""]).encode())
+        self.image = new_card(image, folder, f"ssh_key = {public}", *settings)
 
     def cut(self, pi: RaspberryPi, moment: float) -> None:
         """Switch it on, and pull the plug `moment` s later."""
@@ -90,7 +84,6 @@ class Card:
 
 def try_robot(card: Card, lan: Lan, moments: list[float]) -> None:
     """AssertionError if it does not come back. `moments` in s, the last one's while an update is there."""
-    card.write()
     hall = Hall(lan, card.folder)
     pi = RaspberryPi(card.folder, card.image, card.key, hall.cable, usb=arduino(SERIAL_PORT), board=STAND_IN)
     with hall.master(0) as master, hall.uno() as uno:
@@ -109,7 +102,6 @@ def try_robot(card: Card, lan: Lan, moments: list[float]) -> None:
 
 def try_master(card: Card, lan: Lan, moments: list[float]) -> None:
     """AssertionError if it does not come back, with its own version or with the update. `moments` as of a robot."""
-    card.write(*master_card.SETTINGS)
     pi = RaspberryPi(card.folder, card.image, card.key, Cable(lan.machine()), board=STAND_IN)
     for moment in moments[:-1]:
         card.cut(pi, moment)

@@ -32,5 +32,10 @@ def built(*roles: str) -> Path:
 
 @pytest.fixture
 def key(tmp_path: Path) -> Path:
-    subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", tmp_path / "key"], check=True)
-    return tmp_path / "key"
+    return new_key(tmp_path)
+
+
+def new_key(folder: Path) -> Path:
+    """A private SSH key; the public one lies beside it."""
+    subprocess.run(["ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", folder / "key"], check=True)
+    return folder / "key"

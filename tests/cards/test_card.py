@@ -3,7 +3,6 @@ power is cut."""
 
 import json
 import re
-import shutil
 from pathlib import Path
 
 import pytest
@@ -30,10 +29,12 @@ from tests.support.raspberry_pi import (
     arduino,
     card_file,
     first_partition,
+    new_card,
     partitions,
     put_card_file,
     system_file,
     system_folder,
+    write_settings,
 )
 
 # a Raspberry Pi in an emulator takes minutes to start
@@ -53,21 +54,9 @@ def wait_for_the_robot(pi: RaspberryPi) -> None:
     until(lambda: "no arena announces itself" in pi.run("sudo journalctl --boot -t laserbot-robot"), 300)
 
 
-def of(image: Path, folder: Path, *settings: str) -> Path:
-    """A card of one's own with these lines in its laserbot.txt."""
-    card = folder / "card.img"
-    shutil.copy(image, card)
-    write_settings(card, *settings)
-    return card
-
-
 def destroy(pi: RaspberryPi, partition: str) -> None:
     """Overwrite its beginning, with the first spare superblock, so that nothing can mend it."""
     pi.run(f"sudo dd if=/dev/zero of={partition} bs=1M count=160 conv=fsync 2>/dev/null")
-
-
-def write_settings(card: Path, *settings: str) -> None:
-    put_card_file(card, "laserbot.txt", "\r\n".join([*settings, ""]).encode())
 
 
 def test_a_robots_card_has_all_that_it_needs(robot_image: Path) -> None:
@@ -99,7 +88,7 @@ def test_a_card_starts_as_what_its_file_says_and_comes_back_after_cuts(
 ) -> None:
     public = key.with_suffix(".pub").read_text().strip()
     settings = ("name = raspberrypi7", "time zone = Europe/Berlin", "role = both", f"ssh key = {public}")
-    card = of(robot_image, tmp_path, *settings)
+    card = new_card(robot_image, tmp_path, *settings)
     pi = RaspberryPi(tmp_path, card, key)
     with pi.on():
         assert pi.run("hostname; date +%Z").split()[0] == "raspberrypi7"
@@ -149,7 +138,7 @@ def test_a_masters_card_serves_the_game_and_announces_it(master_image: Path, key
     settings = (f"ssh_key = {key.with_suffix('.pub').read_text().strip()}", *master_card.SETTINGS)
     with Lan() as lan:
         cable = Cable(lan.machine())
-        card = of(master_image, tmp_path, *settings)
+        card = new_card(master_image, tmp_path, *settings)
         pi = RaspberryPi(tmp_path, card, key, cable, board=STAND_IN)
         with pi.on():
             master_card.serves(pi)
@@ -187,7 +176,7 @@ def test_a_robots_card_plays_with_the_firmware_and_a_master(robot_image: Path, k
     """
     with Lan() as lan:
         hall = Hall(lan, tmp_path)
-        card = of(robot_image, tmp_path, f"ssh_key = {key.with_suffix('.pub').read_text().strip()}")
+        card = new_card(robot_image, tmp_path, f"ssh_key = {key.with_suffix('.pub').read_text().strip()}")
         pi = RaspberryPi(tmp_path, card, key, hall.cable, usb=arduino(SERIAL_PORT))
         with hall.master(0) as master:
             with hall.uno() as uno, pi.on():
@@ -210,7 +199,7 @@ def test_an_arduino_is_pulled_from_a_running_robot_and_put_back(robot_image: Pat
     """Not on the emulated Pi, whose USB controller crashes QEMU when a device in use is unplugged."""
     with Lan() as lan:
         hall = Hall(lan, tmp_path)
-        card = of(robot_image, tmp_path)
+        card = new_card(robot_image, tmp_path)
         pi = RaspberryPi(tmp_path, card, key, hall.cable, usb=arduino(SERIAL_PORT), board=STAND_IN)
         with hall.master(0) as master, pi.on():
             for _ in range(3):

@@ -5,6 +5,7 @@ import gzip
 import json
 import lzma
 import os
+import shutil
 import subprocess
 import tempfile
 from collections.abc import Iterator, Sequence
@@ -29,6 +30,18 @@ def card_file(image: Path, name: str) -> bytes:
 
 def put_card_file(image: Path, name: str, content: bytes) -> None:
     _mtools("mcopy", image, "-o", "-", f"::{name}", content=content)
+
+
+def new_card(image: Path, folder: Path, *settings: str) -> Path:
+    """A card of one's own in that folder, with these lines in its laserbot.txt."""
+    card = folder / "card.img"
+    shutil.copy(image, card)
+    write_settings(card, *settings)
+    return card
+
+
+def write_settings(card: Path, *settings: str) -> None:
+    put_card_file(card, "laserbot.txt", "\r\n".join([*settings, ""]).encode())
 
 
 def first_partition(image: Path) -> bytes:
